@@ -1,0 +1,52 @@
+#pragma once
+
+#include <ceres/sized_cost_function.h>
+
+#include "shared/factors/parameters.hpp"
+#include "shared/model/camera.hpp"
+#include "shared/model/observation.hpp"
+
+namespace fleetloc {
+
+/// What a factor needs to know of the rectified pair and its noise.
+struct StereoNoise {
+  double pixel_sigma = 1.0;  ///< of u_left, v and u_right alike [px]
+};
+
+/// Stereo reprojection error (paper, eq. 1), whitened: (u_left, v, u_right) of a landmark seen from
+/// a keyframe. Parameters: T_world_body (7), p_world (3). The world is odom or map.
+///
+/// `first_estimate`, if given, is where the Jacobian of the pose is taken instead of at its current
+/// value (first-estimate Jacobians); it must outlive the factor.
+class StereoReprojectionFactor final : public ceres::SizedCostFunction<3, 7, 3> {
+ public:
+  StereoReprojectionFactor(const StereoObservation& observation, const RectifiedStereo& stereo,
+                           StereoNoise noise, const PoseParameters* first_estimate = nullptr);
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  Eigen::Vector3d measured_;  // u_left, v, u_right [px]
+  RectifiedStereo stereo_;
+  Pose T_cam0_body_;
+  double inverse_sigma_;
+  const PoseParameters* first_estimate_;
+};
+
+/// The same for a landmark that only the left camera sees: (u, v).
+class MonoReprojectionFactor final : public ceres::SizedCostFunction<2, 7, 3> {
+ public:
+  MonoReprojectionFactor(const StereoObservation& observation, const RectifiedStereo& stereo,
+                         StereoNoise noise, const PoseParameters* first_estimate = nullptr);
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  Eigen::Vector2d measured_;  // [px]
+  RectifiedStereo stereo_;
+  Pose T_cam0_body_;
+  double inverse_sigma_;
+  const PoseParameters* first_estimate_;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,2 @@
+#include "shared/model/camera.hpp"
+namespace fleetloc {}

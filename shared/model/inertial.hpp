@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "shared/core/time.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// One IMU measurement, in the body frame.
+struct ImuSample {
+  Timestamp stamp;
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
+  Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    ///< [m/s^2], +g upwards at rest
+};
+
+/// Continuous-time noise of an IMU, as in EuRoC's sensor.yaml.
+struct ImuNoise {
+  double gyroscope_noise_density = 0.0;      ///< [rad/s/sqrt(Hz)]
+  double gyroscope_random_walk = 0.0;        ///< [rad/s^2/sqrt(Hz)]
+  double accelerometer_noise_density = 0.0;  ///< [m/s^2/sqrt(Hz)]
+  double accelerometer_random_walk = 0.0;    ///< [m/s^3/sqrt(Hz)]
+};
+
+struct ImuBias {
+  Eigen::Vector3d gyroscope = Eigen::Vector3d::Zero();      ///< [rad/s]
+  Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+/// Tangent of a NavState: [rotation rad, translation m (both right perturbations of the pose),
+/// velocity m/s in odom, gyroscope bias, accelerometer bias].
+using Vector15d = Eigen::Matrix<double, 15, 1>;
+using Matrix15d = Eigen::Matrix<double, 15, 15>;
+
+/// What inertial navigation knows at one instant.
+struct NavState {
+  Pose T_odom_body;
+  Eigen::Vector3d v_odom = Eigen::Vector3d::Zero();  ///< of body [m/s]
+  ImuBias bias;
+};
+
+/// Standard gravity in a gravity-aligned frame with z up [m/s^2]: at rest the specific force is -g.
+inline const Eigen::Vector3d kGravity{0.0, 0.0, -9.81};
+
+/// The odometry's estimate at one instant.
+struct OdometryEstimate {
+  Timestamp stamp;
+  NavState state;
+  Matrix15d covariance = Matrix15d::Zero();
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "shared/core/time.hpp"
+#include "shared/model/answer.hpp"
+#include "shared/model/session.hpp"
+#include "shared/model/submap.hpp"
+
+namespace fleetloc {
+
+/// Localizes submaps in the laser map. The robot holds only this: in production the far side of a
+/// network, in tests the cloud's own localizer in the same process. Answers come late, out of
+/// order or never. Time is passed in, so that every run can be replayed.
+class MapLocalizer {
+ public:
+  virtual ~MapLocalizer() = default;
+
+  /// Ends the session before it; submaps of a session count only after this.
+  virtual void start_session(const RobotSession& session, Timestamp now) = 0;
+
+  virtual void submit(Submap submap, Timestamp now) = 0;
+
+  /// What has arrived until `now`, oldest first; each answer is returned once.
+  [[nodiscard]] virtual std::vector<Answer> take_answers(Timestamp now) = 0;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "shared/core/ids.hpp"
+#include "shared/core/time.hpp"
+#include "shared/geometry/pose.hpp"
+#include "shared/model/camera.hpp"
+
+namespace fleetloc {
+
+enum class SubmapEncoding { kFull, kDelta };
+
+/// Where `odom` lies in the map when a session starts.
+struct StartPose {
+  Pose T_map_odom;
+  Matrix6d covariance = Matrix6d::Identity();  ///< right perturbation of T_map_odom
+};
+
+/// What a localizer must know before the first submap of a session.
+struct RobotSession {
+  RobotId robot;
+  SessionNumber session{};  ///< increases at every reset of the robot's odometry
+  Timestamp start_stamp;    ///< when the robot's program started; a later one replaces the session
+  std::string localizer;    ///< the chosen one
+  SubmapEncoding encoding = SubmapEncoding::kFull;
+  RectifiedStereo stereo;
+  std::optional<StartPose> start;  ///< without it the session cannot be localized yet
+};
+
+/// What a localizer says of itself.
+struct LocalizerStatus {
+  std::string localizer;
+  Epoch epoch{};        ///< a new one has forgotten everything
+  MapHash map_hash{};
+  int sessions = 0;
+  double load = 0.0;    ///< share of its worker time in use, 0..1
+  bool accepting = false;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "shared/core/time.hpp"
+
+namespace fleetloc {
+
+/// Two images of one instant, 8 bit gray. An empty image is one that is missing.
+struct StereoFrame {
+  Timestamp stamp;
+  cv::Mat left;
+  cv::Mat right;
+};
+
+}  // namespace fleetloc
