@@ -1,0 +1,36 @@
+#include "shared/protocol/submap_receiver.hpp"
+
+#include <bit>
+
+namespace fleetloc {
+
+bool SubmapReceiver::is_new(SampleNumber number) const {
+  const auto n = static_cast<std::uint32_t>(number);
+  if (n < base_) return false;
+  return n - base_ >= 64 || ((bitmap_ >> (n - base_)) & 1U) == 0;
+}
+
+// The window of 64 numbers follows the newest one; leading stored ones stay in it, so that the
+// share of gaps can be read from it.
+void SubmapReceiver::store(SampleNumber number) {
+  const auto n = static_cast<std::uint32_t>(number);
+  if (n < base_) return;
+  if (n - base_ >= 64) {
+    const std::uint32_t shift = n - base_ - 63;
+    bitmap_ = shift < 64 ? bitmap_ >> shift : 0;
+    base_ += shift;
+  }
+  bitmap_ |= std::uint64_t{1} << (n - base_);
+}
+
+Acknowledgements SubmapReceiver::acknowledgements() const {
+  return {SampleNumber{base_}, bitmap_};
+}
+
+double SubmapReceiver::loss() const {
+  if (bitmap_ == 0) return 0.0;
+  const int span = 64 - std::countl_zero(bitmap_);
+  return static_cast<double>(span - std::popcount(bitmap_)) / span;
+}
+
+}  // namespace fleetloc

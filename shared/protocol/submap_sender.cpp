@@ -1,0 +1,59 @@
+#include "shared/protocol/submap_sender.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kMaxInFlight = 256;  // answers to older samples time nothing any more
+
+}  // namespace
+
+void SubmapSender::restart(SessionNumber session) {
+  const Epoch epoch = epoch_;
+  *this = {};
+  session_ = session;
+  epoch_ = epoch;
+}
+
+void SubmapSender::prepare(Submap& submap, Timestamp now) {
+  submap.session = session_;
+  submap.epoch = epoch_;
+  submap.number = SampleNumber{next_number_};
+  in_flight_[next_number_] = {now, submap.keyframes.back().id};
+  ++next_number_;
+  if (in_flight_.size() > kMaxInFlight) in_flight_.erase(in_flight_.begin());
+}
+
+void SubmapSender::acknowledge(const Answer& answer, Timestamp now) {
+  if (answer.session != session_ || answer.epoch < epoch_) return;
+  if (answer.epoch > epoch_) {
+    epoch_ = answer.epoch;
+    acknowledged_base_ = 0;
+    acknowledged_bitmap_ = 0;
+  }
+  const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);
+  if (base > acknowledged_base_) {
+    const std::uint32_t shift = base - acknowledged_base_;
+    acknowledged_bitmap_ = shift < 64 ? acknowledged_bitmap_ >> shift : 0;
+    acknowledged_base_ = base;
+  }
+  if (base == acknowledged_base_) acknowledged_bitmap_ |= answer.acknowledgements.bitmap;
+
+  const auto sent = std::ranges::find_if(
+      in_flight_, [&](const auto& item) { return item.second.newest == answer.keyframe; });
+  if (sent == in_flight_.end() || answer.status == LocalizationStatus::kNeedFull) return;
+  round_trip_ = now - sent->second.at;
+  in_flight_.erase(in_flight_.begin(), std::next(sent));
+}
+
+// Samples after the last acknowledged one may still be on their way, so they do not count.
+double SubmapSender::loss() const {
+  if (acknowledged_bitmap_ == 0) return 0.0;
+  const int span = 64 - std::countl_zero(acknowledged_bitmap_);
+  const int arrived = std::popcount(acknowledged_bitmap_);
+  return static_cast<double>(span - arrived) / span;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,130 @@
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "shared/protocol/submap_receiver.hpp"
+#include "shared/protocol/submap_sender.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+Timestamp at(int ms) {
+  return Timestamp{milliseconds(ms)};
+}
+
+Submap with_keyframe(std::uint32_t id) {
+  Submap submap;
+  submap.keyframes.resize(1);
+  submap.keyframes[0].id = KeyframeId{id};
+  return submap;
+}
+
+Answer answer_to(std::uint32_t keyframe, const SubmapReceiver& receiver, std::uint32_t epoch = 1) {
+  Answer answer;
+  answer.session = SessionNumber{1};
+  answer.epoch = Epoch{epoch};
+  answer.keyframe = KeyframeId{keyframe};
+  answer.acknowledgements = receiver.acknowledgements();
+  return answer;
+}
+
+TEST(SubmapReceiver, KnowsWhatItHasStored) {
+  SubmapReceiver receiver;
+  EXPECT_TRUE(receiver.is_new(SampleNumber{0}));
+  receiver.store(SampleNumber{0});
+  receiver.store(SampleNumber{2});
+  EXPECT_FALSE(receiver.is_new(SampleNumber{0}));
+  EXPECT_TRUE(receiver.is_new(SampleNumber{1}));
+  EXPECT_FALSE(receiver.is_new(SampleNumber{2}));
+  EXPECT_EQ(receiver.acknowledgements().bitmap, 0b101U);
+}
+
+TEST(SubmapReceiver, AgreesWithASetWhateverTheOrder) {
+  std::mt19937 random(7);
+  SubmapReceiver receiver;
+  std::set<std::uint32_t> stored;
+  std::uint32_t newest = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const auto step = static_cast<std::uint32_t>(random() % 8);
+    const std::uint32_t number = newest + step > 4 ? newest + step - 4 : 0;
+    const auto base = static_cast<std::uint32_t>(receiver.acknowledgements().base);
+    EXPECT_EQ(receiver.is_new(SampleNumber{number}), number >= base && !stored.contains(number));
+    receiver.store(SampleNumber{number});
+    if (number >= base) stored.insert(number);
+    newest = std::max(newest, number);
+  }
+}
+
+TEST(SubmapReceiver, FarJumpsForgetWhatIsOlder) {
+  SubmapReceiver receiver;
+  receiver.store(SampleNumber{5});
+  receiver.store(SampleNumber{4'000'000'000});
+  EXPECT_FALSE(receiver.is_new(SampleNumber{5}));
+  EXPECT_FALSE(receiver.is_new(SampleNumber{4'000'000'000}));
+  EXPECT_TRUE(receiver.is_new(SampleNumber{3'999'999'999}));
+}
+
+TEST(SubmapReceiver, MeasuresTheShareThatIsLost) {
+  SubmapReceiver receiver;
+  EXPECT_EQ(receiver.loss(), 0.0);
+  for (std::uint32_t i = 0; i < 200; i += 4) receiver.store(SampleNumber{i});
+  EXPECT_NEAR(receiver.loss(), 0.75, 0.03);
+}
+
+TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
+  SubmapSender sender;
+  sender.restart(SessionNumber{1});
+  Submap submap = with_keyframe(1);
+  sender.prepare(submap, at(0));
+  sender.prepare(submap, at(1));
+  EXPECT_EQ(submap.number, SampleNumber{1});
+  sender.restart(SessionNumber{2});
+  sender.prepare(submap, at(2));
+  EXPECT_EQ(submap.number, SampleNumber{0});
+  EXPECT_EQ(submap.session, SessionNumber{2});
+}
+
+TEST(SubmapSender, MeasuresRoundTripAndLoss) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1});
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    Submap submap = with_keyframe(i);
+    const int now = static_cast<int>(i) * 100;
+    sender.prepare(submap, at(now));
+    if (i % 2 == 1) continue;  // lost
+    receiver.store(submap.number);
+    sender.acknowledge(answer_to(i, receiver), at(now + 80));
+  }
+  ASSERT_TRUE(sender.round_trip().has_value());
+  EXPECT_EQ(*sender.round_trip(), milliseconds(80));
+  EXPECT_NEAR(sender.loss(), 0.5, 0.03);
+}
+
+TEST(SubmapSender, ANewEpochVoidsTheAcknowledgements) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1});
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    Submap submap = with_keyframe(i);
+    sender.prepare(submap, at(0));
+    if (i == 0 || i == 9) receiver.store(submap.number);
+  }
+  sender.acknowledge(answer_to(9, receiver), at(1));
+  EXPECT_GT(sender.loss(), 0.5);
+  SubmapReceiver restarted;
+  restarted.store(SampleNumber{0});
+  sender.acknowledge(answer_to(9, restarted, 2), at(2));
+  EXPECT_EQ(sender.loss(), 0.0);
+  sender.acknowledge(answer_to(9, receiver, 1), at(3));  // late, from before the restart
+  EXPECT_EQ(sender.loss(), 0.0);
+  Submap submap = with_keyframe(10);
+  sender.prepare(submap, at(4));
+  EXPECT_EQ(submap.epoch, Epoch{2});
+}
+
+}  // namespace
+}  // namespace fleetloc
