@@ -1,0 +1,33 @@
+#include <set>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "shared/model/answer.hpp"
+#include "shared/model/pose_estimate.hpp"
+
+namespace fleetloc {
+namespace {
+
+TEST(Names, OfStatusAreDistinctAndKnown) {
+  std::set<std::string_view> names;
+  for (int i = 0; i <= static_cast<int>(LocalizationStatus::kDegenerate); ++i) {
+    names.insert(name(static_cast<LocalizationStatus>(i)));
+  }
+  EXPECT_EQ(names.size(), 9U);
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_EQ(name(LocalizationStatus::kTooFewMatches), "too_few_matches");
+}
+
+TEST(Names, OfQualityAreDistinctAndKnown) {
+  std::set<std::string_view> names;
+  for (int i = 0; i <= static_cast<int>(Quality::kLost); ++i) {
+    names.insert(name(static_cast<Quality>(i)));
+  }
+  EXPECT_EQ(names.size(), 4U);
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_EQ(name(Quality::kDeadReckoning), "dead_reckoning");
+}
+
+}  // namespace
+}  // namespace fleetloc
