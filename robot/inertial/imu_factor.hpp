@@ -27,9 +27,11 @@ struct FirstEstimate {
 /// and speed-bias (9) of the first state, then of the second.
 class ImuFactor final : public ceres::SizedCostFunction<15, 7, 9, 7, 9> {
  public:
-  explicit ImuFactor(Preintegration preintegration, FirstEstimate first = {},
+  explicit ImuFactor(Preintegration preintegration,
+                     FirstEstimate first = {},
                      FirstEstimate second = {});
-  bool Evaluate(const double* const* parameters, double* residuals,
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
   [[nodiscard]] const Preintegration& preintegration() const;
   // private members
@@ -41,7 +43,8 @@ struct ImuError {
   Matrix15d J_first;
   Matrix15d J_second;
 };
-ImuError imu_error(const Preintegration& preintegration, const NavState& first,
+ImuError imu_error(const Preintegration& preintegration,
+                   const NavState& first,
                    const NavState& second);
 
 /// Covariance of that error: the preintegration's, and the random walk of the biases.

@@ -25,7 +25,8 @@ class Preintegration {
   [[nodiscard]] const ImuBias& bias() const;  ///< linearization point
   [[nodiscard]] const ImuNoise& noise() const;
   [[nodiscard]] const Matrix9d& covariance() const;  ///< of the deltas
-  [[nodiscard]] const Matrix96d& bias_jacobian() const;  ///< d deltas / d [gyroscope, accelerometer]
+  [[nodiscard]] const Matrix96d& bias_jacobian()
+      const;  ///< d deltas / d [gyroscope, accelerometer]
 
   /// Deltas corrected to first order for another bias.
   struct Deltas {

@@ -10,7 +10,8 @@ namespace fleetloc {
 class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
  public:
   PointToPlaneFactor(const Eigen::Vector3d& q_map, const Eigen::Vector3d& normal, double sigma_m);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:
@@ -22,7 +23,8 @@ class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
 class PointToPointFactor final : public ceres::SizedCostFunction<3, 3> {
  public:
   PointToPointFactor(const Eigen::Vector3d& q_map, double sigma_m);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:

@@ -12,7 +12,8 @@ class RelativePoseFactor final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
   /// @param information  positive semi-definite, of the error as stated above
   RelativePoseFactor(const Pose& T_a_b, const Matrix6d& information);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:
@@ -24,7 +25,8 @@ class RelativePoseFactor final : public ceres::SizedCostFunction<6, 7, 7> {
 class PosePriorFactor final : public ceres::SizedCostFunction<6, 7> {
  public:
   PosePriorFactor(const Pose& T_prior, const Matrix6d& information);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:

@@ -20,9 +20,12 @@ struct StereoNoise {
 /// value (first-estimate Jacobians); it must outlive the factor.
 class StereoReprojectionFactor final : public ceres::SizedCostFunction<3, 7, 3> {
  public:
-  StereoReprojectionFactor(const StereoObservation& observation, const RectifiedStereo& stereo,
-                           StereoNoise noise, const PoseParameters* first_estimate = nullptr);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  StereoReprojectionFactor(const StereoObservation& observation,
+                           const RectifiedStereo& stereo,
+                           StereoNoise noise,
+                           const PoseParameters* first_estimate = nullptr);
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:
@@ -36,9 +39,12 @@ class StereoReprojectionFactor final : public ceres::SizedCostFunction<3, 7, 3> 
 /// The same for a landmark that only the left camera sees: (u, v).
 class MonoReprojectionFactor final : public ceres::SizedCostFunction<2, 7, 3> {
  public:
-  MonoReprojectionFactor(const StereoObservation& observation, const RectifiedStereo& stereo,
-                         StereoNoise noise, const PoseParameters* first_estimate = nullptr);
-  bool Evaluate(const double* const* parameters, double* residuals,
+  MonoReprojectionFactor(const StereoObservation& observation,
+                         const RectifiedStereo& stereo,
+                         StereoNoise noise,
+                         const PoseParameters* first_estimate = nullptr);
+  bool Evaluate(const double* const* parameters,
+                double* residuals,
                 double** jacobians) const override;
 
  private:

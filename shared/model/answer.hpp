@@ -41,12 +41,12 @@ struct Answer {
   Acknowledgements acknowledgements;
   LocalizationStatus status{};
   KeyframeId keyframe{};
-  Revision revision{};    ///< of the keyframe that was localized
-  Timestamp stamp;        ///< of the keyframe
+  Revision revision{};  ///< of the keyframe that was localized
+  Timestamp stamp;      ///< of the keyframe
   MapHash map_hash{};
-  Pose T_map_body;        ///< at stamp; only if kLocalized, like what follows
+  Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows
   Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_body
-  Pose T_map_odom;        ///< for display and for starting; the robot fuses T_map_body
+  Pose T_map_odom;          ///< for display and for starting; the robot fuses T_map_body
   Duration holding_time{};  ///< spent in the cloud
 };
 

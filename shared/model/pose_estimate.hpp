@@ -10,10 +10,10 @@ namespace fleetloc {
 
 /// What a pose is worth.
 enum class Quality {
-  kInitializing,    ///< no pose yet
-  kLocalized,       ///< answers of the cloud keep the map pose from drifting
-  kDeadReckoning,   ///< the map pose has been carried by odometry alone for some time
-  kLost,            ///< the map pose must not be used: answers contradict it, or there was none yet
+  kInitializing,   ///< no pose yet
+  kLocalized,      ///< answers of the cloud keep the map pose from drifting
+  kDeadReckoning,  ///< the map pose has been carried by odometry alone for some time
+  kLost,           ///< the map pose must not be used: answers contradict it, or there was none yet
 };
 
 /// As it stands in files, e.g. "dead_reckoning".
@@ -25,10 +25,10 @@ struct PoseEstimate {
   Quality quality = Quality::kInitializing;
   Duration since_last_answer{};  ///< since the stamp of the newest answer that was applied
   Pose T_odom_body;
-  Matrix6d covariance_odom = Matrix6d::Zero();  ///< right perturbation of T_odom_body
-  std::optional<Pose> T_map_body;               ///< from the first applied answer on
-  Matrix6d covariance_map = Matrix6d::Zero();   ///< right perturbation of T_map_body
-  Eigen::Vector3d v_odom = Eigen::Vector3d::Zero();            ///< of body [m/s]
+  Matrix6d covariance_odom = Matrix6d::Zero();       ///< right perturbation of T_odom_body
+  std::optional<Pose> T_map_body;                    ///< from the first applied answer on
+  Matrix6d covariance_map = Matrix6d::Zero();        ///< right perturbation of T_map_body
+  Eigen::Vector3d v_odom = Eigen::Vector3d::Zero();  ///< of body [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of body, in body [rad/s]
 };
 

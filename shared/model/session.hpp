@@ -32,10 +32,10 @@ struct RobotSession {
 /// What a localizer says of itself.
 struct LocalizerStatus {
   std::string localizer;
-  Epoch epoch{};        ///< a new one has forgotten everything
+  Epoch epoch{};  ///< a new one has forgotten everything
   MapHash map_hash{};
   int sessions = 0;
-  double load = 0.0;    ///< share of its worker time in use, 0..1
+  double load = 0.0;  ///< share of its worker time in use, 0..1
   bool accepting = false;
 };
 

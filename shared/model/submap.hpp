@@ -17,8 +17,8 @@ struct SubmapKeyframe {
   KeyframeId id{};
   Revision revision{};  ///< of this item; the newest wins
   Timestamp stamp;
-  Pose T_odom_body;      ///< an estimate, never a measurement
-  double tilt_sigma{};   ///< of its roll and pitch, without what came from the cloud [rad]
+  Pose T_odom_body;     ///< an estimate, never a measurement
+  double tilt_sigma{};  ///< of its roll and pitch, without what came from the cloud [rad]
   std::vector<StereoObservation> observations;  ///< strictly increasing by landmark
 };
 
@@ -43,11 +43,11 @@ struct SubmapLandmark {
 struct Submap {
   RobotId robot;
   SessionNumber session{};
-  Epoch epoch{};          ///< of the localizer that is to count it
-  SampleNumber number{};  ///< +1 per sample sent
-  std::vector<SubmapKeyframe> keyframes;   ///< oldest first, strictly increasing by id; not empty
-  std::vector<VirtualEdge> edges;          ///< strictly increasing by `to`
-  std::vector<SubmapLandmark> landmarks;   ///< strictly increasing by id
+  Epoch epoch{};                          ///< of the localizer that is to count it
+  SampleNumber number{};                  ///< +1 per sample sent
+  std::vector<SubmapKeyframe> keyframes;  ///< oldest first, strictly increasing by id; not empty
+  std::vector<VirtualEdge> edges;         ///< strictly increasing by `to`
+  std::vector<SubmapLandmark> landmarks;  ///< strictly increasing by id
 };
 
 }  // namespace fleetloc

@@ -23,12 +23,12 @@ class SimulatedRun {
     double frame_rate_hz = 20.0;
     bool imu_white_noise = false;
     bool imu_bias_walk = false;
-    ImuBias initial_bias;         ///< true bias at time zero
-    double pixel_sigma = 0.0;     ///< noise of u_left, v and disparity [px]
-    double outlier_share = 0.0;   ///< of observations, uniformly displaced by up to 50 px
-    double speed = 1.0;           ///< typical [m/s]
-    int landmarks = 3000;         ///< on the surfaces of the room
-    int features_per_frame = 150; ///< at most; tracks stay as long as they are visible
+    ImuBias initial_bias;          ///< true bias at time zero
+    double pixel_sigma = 0.0;      ///< noise of u_left, v and disparity [px]
+    double outlier_share = 0.0;    ///< of observations, uniformly displaced by up to 50 px
+    double speed = 1.0;            ///< typical [m/s]
+    int landmarks = 3000;          ///< on the surfaces of the room
+    int features_per_frame = 150;  ///< at most; tracks stay as long as they are visible
   };
   explicit SimulatedRun(const Config& config);
 
