@@ -16,8 +16,9 @@ struct StereoNoise {
 /// Stereo reprojection error (paper, eq. 1), whitened: (u_left, v, u_right) of a landmark seen from
 /// a keyframe. Parameters: T_world_body (7), p_world (3). The world is odom or map.
 ///
-/// `first_estimate`, if given, is where the Jacobian of the pose is taken instead of at its current
-/// value (first-estimate Jacobians); it must outlive the factor.
+/// `first_estimate`, if given, is the pose at which both Jacobians are taken instead of its current
+/// value (first-estimate Jacobians); it must outlive the factor. A point that is not in front of
+/// the camera has a residual of 500 px and no gradient.
 class StereoReprojectionFactor final : public ceres::SizedCostFunction<3, 7, 3> {
  public:
   StereoReprojectionFactor(const StereoObservation& observation,

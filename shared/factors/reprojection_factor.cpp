@@ -1,0 +1,165 @@
+#include "shared/factors/reprojection_factor.hpp"
+
+#include <cassert>
+
+namespace fleetloc {
+namespace {
+
+// A point nearer than this in front of the camera, or behind it, cannot be projected. It gets the
+// residual of kBehind pixels and no gradient: the optimizer turns back, and outlier tests find it.
+constexpr double kLeastDepth = 0.01;  // [m]
+constexpr double kBehind = 500.0;     // [px]
+
+struct CameraPoint {
+  Eigen::Vector3d p_body;
+  Eigen::Vector3d p_cam0;
+};
+
+CameraPoint camera_point(const double* pose, const double* point, const Pose& T_cam0_body) {
+  const Pose T_world_body = pose_from(pose);
+  const Eigen::Map<const Eigen::Vector3d> p_world(point);
+  const Eigen::Vector3d p_body = T_world_body.R.conjugate() * (p_world - T_world_body.p);
+  return {p_body, T_cam0_body * p_body};
+}
+
+// Rows: u_left, v, u_right, by p_cam0.
+template <int Rows>
+Eigen::Matrix<double, Rows, 3> projection_jacobian(const RectifiedStereo& stereo,
+                                                   const Eigen::Vector3d& p_cam0) {
+  const double inverse_z = 1.0 / p_cam0.z();
+  const double scale = stereo.focal_px * inverse_z;
+  Eigen::Matrix<double, Rows, 3> J;
+  J.row(0) << scale, 0.0, -scale * inverse_z * p_cam0.x();
+  J.row(1) << 0.0, scale, -scale * inverse_z * p_cam0.y();
+  if constexpr (Rows == 3) {
+    J.row(2) << scale, 0.0, -scale * inverse_z * (p_cam0.x() - stereo.baseline_m);
+  }
+  return J;
+}
+
+template <int Rows>
+void set_jacobians_zero(double** jacobians) {
+  if (jacobians[0] != nullptr) {
+    RowMajorMap<Rows, 7>(jacobians[0]).setZero();
+  }
+  if (jacobians[1] != nullptr) {
+    RowMajorMap<Rows, 3>(jacobians[1]).setZero();
+  }
+}
+
+// p_cam0 = R_cam0_body R_body_world (p_world - p_body): by the tangent of the pose
+// [hat(p_body), -I] in body, by the point R_body_world.
+template <int Rows>
+void write_jacobians(const Eigen::Matrix<double, Rows, 3>& J_body,
+                     const Eigen::Vector3d& p_body,
+                     const Eigen::Quaterniond& R_world_body,
+                     double** jacobians) {
+  if (jacobians[0] != nullptr) {
+    RowMajorMap<Rows, 7> J_pose(jacobians[0]);
+    for (int row = 0; row < Rows; ++row) {
+      // a^T hat(b) = (a x b)^T
+      const Eigen::Vector3d gradient = J_body.row(row).transpose();
+      J_pose.row(row).template head<3>() = gradient.cross(p_body).transpose();
+    }
+    J_pose.template middleCols<3>(3) = -J_body;
+    J_pose.col(6).setZero();
+  }
+  if (jacobians[1] != nullptr) {
+    RowMajorMap<Rows, 3>(jacobians[1]).noalias() =
+        J_body * R_world_body.toRotationMatrix().transpose();
+  }
+}
+
+// What both factors do; `measured` is the first Rows of (u_left, v, u_right).
+template <int Rows>
+void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
+              const RectifiedStereo& stereo,
+              const Pose& T_cam0_body,
+              double inverse_sigma,
+              const PoseParameters* first_estimate,
+              const double* const* parameters,
+              double* residuals,
+              double** jacobians) {
+  using Residual = Eigen::Matrix<double, Rows, 1>;
+  CameraPoint point = camera_point(parameters[0], parameters[1], T_cam0_body);
+  Eigen::Map<Residual> residual(residuals);
+  if (point.p_cam0.z() < kLeastDepth) {
+    residual.setConstant(kBehind * inverse_sigma);
+    if (jacobians != nullptr) {
+      set_jacobians_zero<Rows>(jacobians);
+    }
+    return;
+  }
+  residual = inverse_sigma * (project(stereo, point.p_cam0).template head<Rows>() - measured);
+  if (jacobians == nullptr) {
+    return;
+  }
+  const double* linearized_at = parameters[0];
+  if (first_estimate != nullptr) {
+    linearized_at = first_estimate->data();
+    point = camera_point(linearized_at, parameters[1], T_cam0_body);
+    if (point.p_cam0.z() < kLeastDepth) {
+      set_jacobians_zero<Rows>(jacobians);
+      return;
+    }
+  }
+  const Eigen::Matrix<double, Rows, 3> J_body = inverse_sigma *
+                                                projection_jacobian<Rows>(stereo, point.p_cam0) *
+                                                T_cam0_body.R.toRotationMatrix();
+  write_jacobians<Rows>(J_body, point.p_body, pose_from(linearized_at).R, jacobians);
+}
+
+}  // namespace
+
+StereoReprojectionFactor::StereoReprojectionFactor(const StereoObservation& observation,
+                                                   const RectifiedStereo& stereo,
+                                                   StereoNoise noise,
+                                                   const PoseParameters* first_estimate)
+    : measured_(
+          observation.left.x(), observation.left.y(), observation.left.x() - observation.disparity),
+      stereo_(stereo),
+      T_cam0_body_(inverse(stereo.T_body_cam0)),
+      inverse_sigma_(1.0 / noise.pixel_sigma),
+      first_estimate_(first_estimate) {
+  assert(observation.disparity > 0.0);
+}
+
+bool StereoReprojectionFactor::Evaluate(const double* const* parameters,
+                                        double* residuals,
+                                        double** jacobians) const {
+  evaluate<3>(measured_,
+              stereo_,
+              T_cam0_body_,
+              inverse_sigma_,
+              first_estimate_,
+              parameters,
+              residuals,
+              jacobians);
+  return true;
+}
+
+MonoReprojectionFactor::MonoReprojectionFactor(const StereoObservation& observation,
+                                               const RectifiedStereo& stereo,
+                                               StereoNoise noise,
+                                               const PoseParameters* first_estimate)
+    : measured_(observation.left),
+      stereo_(stereo),
+      T_cam0_body_(inverse(stereo.T_body_cam0)),
+      inverse_sigma_(1.0 / noise.pixel_sigma),
+      first_estimate_(first_estimate) {}
+
+bool MonoReprojectionFactor::Evaluate(const double* const* parameters,
+                                      double* residuals,
+                                      double** jacobians) const {
+  evaluate<2>(measured_,
+              stereo_,
+              T_cam0_body_,
+              inverse_sigma_,
+              first_estimate_,
+              parameters,
+              residuals,
+              jacobians);
+  return true;
+}
+
+}  // namespace fleetloc
