@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "shared/model/camera.hpp"
 #include "shared/model/inertial.hpp"
 #include "shared/model/observation.hpp"
+#include "shared/simulation/room.hpp"
+#include "shared/simulation/room_trajectory.hpp"
 
 namespace fleetloc {
 
@@ -45,10 +48,35 @@ class SimulatedRun {
   [[nodiscard]] TrackedFrame frame(int index) const;
   [[nodiscard]] Timestamp frame_stamp(int index) const;
 
-  [[nodiscard]] Eigen::Vector3d landmark(LandmarkId id) const;  ///< in the room's frame
+  /// In the room's frame. Ids name tracks: a landmark that left the view and came back has a new
+  /// one. Only for ids that frame() has returned; std::out_of_range for others.
+  [[nodiscard]] Eigen::Vector3d landmark(LandmarkId id) const;
 
   /// Points on the surfaces of the room, about one per `spacing_m` squared, without noise.
   [[nodiscard]] std::vector<Eigen::Vector3d> surface_points(double spacing_m) const;
+
+ private:
+  struct Track {
+    LandmarkId id;
+    std::size_t landmark;  ///< index of landmarks_
+  };
+  [[nodiscard]] ImuBias bias_at(Timestamp stamp) const;
+  [[nodiscard]] ImuSample imu_sample(std::int64_t index) const;
+  [[nodiscard]] const std::vector<Track>& tracks_of_frame(int index) const;
+  [[nodiscard]] std::vector<Track> next_tracks(int index) const;
+  [[nodiscard]] StereoObservation observed(const Track& track,
+                                           int index,
+                                           const Pose& T_cam0_room) const;
+
+  Config config_;
+  RectifiedStereo stereo_;
+  RoomTrajectory trajectory_;
+  Room room_;
+  std::vector<Eigen::Vector3d> landmarks_;
+  // Histories, extended when a later time is asked for: one run is for one thread.
+  mutable std::vector<ImuBias> walked_bias_;        ///< by index of the IMU sample
+  mutable std::vector<std::vector<Track>> tracks_;  ///< by frame, increasing by id
+  mutable std::vector<std::size_t> landmark_of_id_;
 };
 
 }  // namespace fleetloc
