@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace fleetloc {
+
+/// Sizes at the IP level of the datagrams that carry a sample of `payload_bytes` to one receiver,
+/// as Fast DDS makes them under the limit of qos_profiles/: one, or fragments below the MTU.
+std::vector<std::size_t> datagram_sizes(std::size_t payload_bytes);
+
+}  // namespace fleetloc

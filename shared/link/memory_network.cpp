@@ -1,0 +1,220 @@
+#include "shared/link/memory_network.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "shared/link/datagrams.hpp"
+
+namespace fleetloc {
+namespace {
+
+using MemberId = std::uint64_t;  // in order of joining
+
+struct Arrival {
+  std::size_t wire_bytes;
+  std::optional<Message> message;  // none: some of its fragments were lost
+};
+
+struct Member {
+  bool is_robot;
+  std::string name;
+  LinkModel uplink, downlink;  // used for robots
+  std::multimap<Timestamp, Arrival> inbox;
+  ChannelStatistics statistics;
+};
+
+bool is_reliable(Topic topic) {
+  return topic == Topic::kSession || topic == Topic::kLocalizerStatus;
+}
+
+bool hears(const Member& receiver,
+           const Member& sender,
+           Topic topic,
+           const std::string& partition) {
+  if (receiver.is_robot == sender.is_robot) return false;
+  switch (topic) {
+    case Topic::kSession:
+      return !receiver.is_robot;
+    case Topic::kSubmap:
+    case Topic::kRobotStatus:
+      return !receiver.is_robot && partition == receiver.name;
+    case Topic::kLocalization:
+      return receiver.is_robot && partition == receiver.name;
+    case Topic::kLocalizerStatus:
+      return receiver.is_robot;
+  }
+  return false;
+}
+
+// FNV-1a: the links of two robots differ, whoever joins first.
+std::uint64_t seed_of(std::uint64_t seed, std::string_view name, std::uint64_t direction) {
+  std::uint64_t hash = 0xcbf29ce484222325U ^ seed;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return (hash ^ direction) * 0x100000001b3U;
+}
+
+}  // namespace
+
+class MemoryNetwork::State {
+ public:
+  explicit State(const LinkConfig& link) : link_(link) {}
+
+  MemberId join(bool is_robot, const std::string& name) {
+    const MemberId id = next_id_++;
+    members_.emplace(id,
+                     Member{.is_robot = is_robot,
+                            .name = name,
+                            .uplink = {link_.uplink, seed_of(link_.seed, name, 1)},
+                            .downlink = {link_.downlink, seed_of(link_.seed, name, 2)},
+                            .inbox = {},
+                            .statistics = {}});
+    for (auto& [key, last] : last_) await(key, last, id);
+    return id;
+  }
+
+  void leave(MemberId id) {
+    members_.erase(id);
+    std::erase_if(last_, [&](const auto& item) { return item.first.first == id; });
+    for (auto& [key, last] : last_) last.next_attempt.erase(id);
+  }
+
+  void send(MemberId sender, const std::string& partition, Message message, Timestamp now) {
+    advance(now);
+    ChannelStatistics& statistics = members_.at(sender).statistics;
+    ++statistics.sent_messages;
+    statistics.sent_payload_bytes += message.payload.size();
+    if (!is_reliable(message.topic)) {
+      for (const auto& [id, member] : members_) {
+        if (!hears(member, members_.at(sender), message.topic, partition)) continue;
+        transfer(sender, id, message, now);
+      }
+      return;
+    }
+    const Key key{sender, message.topic};
+    Last& last =
+        last_[key] = {.partition = partition, .message = std::move(message), .next_attempt = {}};
+    for (const auto& [id, member] : members_) await(key, last, id);
+    advance(now);
+  }
+
+  std::vector<Message> receive(MemberId receiver, Timestamp now) {
+    advance(now);
+    Member& member = members_.at(receiver);
+    std::vector<Message> messages;
+    const auto end = member.inbox.upper_bound(now);
+    for (auto it = member.inbox.begin(); it != end; it = member.inbox.erase(it)) {
+      member.statistics.received_wire_bytes += it->second.wire_bytes;
+      if (!it->second.message) continue;
+      ++member.statistics.received_messages;
+      member.statistics.received_payload_bytes += it->second.message->payload.size();
+      messages.push_back(std::move(*it->second.message));
+    }
+    return messages;
+  }
+
+  ChannelStatistics statistics(MemberId id) const { return members_.at(id).statistics; }
+
+ private:
+  using Key = std::pair<MemberId, Topic>;  // who sent it
+  struct Last {
+    std::string partition;
+    Message message;
+    std::map<MemberId, Timestamp> next_attempt;  // for those it has not reached yet
+  };
+
+  void await(const Key& key, Last& last, MemberId receiver) {
+    const Member& sender = members_.at(key.first);
+    if (hears(members_.at(receiver), sender, key.second, last.partition)) {
+      last.next_attempt[receiver] = now_;
+    }
+  }
+
+  // Makes all attempts that are due until `now`, in order of time.
+  void advance(Timestamp now) {
+    now_ = std::max(now_, now);
+    for (;;) {
+      std::optional<std::tuple<Timestamp, Key, MemberId>> next;
+      for (const auto& [key, last] : last_) {
+        for (const auto& [receiver, time] : last.next_attempt) {
+          const std::tuple attempt{time, key, receiver};
+          if (time <= now_ && (!next || attempt < *next)) next = attempt;
+        }
+      }
+      if (!next) return;
+      const auto& [time, key, receiver] = *next;
+      Last& last = last_.at(key);
+      if (transfer(key.first, receiver, last.message, time)) {
+        last.next_attempt.erase(receiver);
+      } else {
+        last.next_attempt[receiver] = time + kRepetition;
+      }
+    }
+  }
+
+  // Puts a sample on the link. True if it arrives as a whole.
+  bool transfer(MemberId from, MemberId to, const Message& message, Timestamp now) {
+    Member& sender = members_.at(from);
+    Member& receiver = members_.at(to);
+    LinkModel& link = sender.is_robot ? sender.uplink : receiver.downlink;
+    Arrival arrival{.wire_bytes = 0, .message = std::nullopt};
+    std::optional<Timestamp> last_arrival;
+    bool complete = true;
+    for (const std::size_t bytes : datagram_sizes(message.payload.size())) {
+      sender.statistics.sent_wire_bytes += bytes;
+      const std::optional<Timestamp> arrives = link.arrival(now, bytes);
+      complete = complete && arrives;
+      if (!arrives) continue;
+      arrival.wire_bytes += bytes;
+      last_arrival = std::max(last_arrival, arrives);
+    }
+    if (complete) arrival.message = message;
+    if (last_arrival) receiver.inbox.emplace(*last_arrival, std::move(arrival));
+    return complete;
+  }
+
+  LinkConfig link_;
+  Timestamp now_{Timestamp::min()};
+  MemberId next_id_ = 0;
+  std::map<MemberId, Member> members_;
+  std::map<Key, Last> last_;  // of the reliable topics
+};
+
+class MemoryNetwork::End final : public Channel {
+ public:
+  End(std::shared_ptr<State> state, MemberId id) : state_(std::move(state)), id_(id) {}
+  ~End() override { state_->leave(id_); }
+  End(const End&) = delete;
+  End& operator=(const End&) = delete;
+
+  void send(const std::string& partition, Message message, Timestamp now) override {
+    state_->send(id_, partition, std::move(message), now);
+  }
+  std::vector<Message> receive(Timestamp now) override { return state_->receive(id_, now); }
+  ChannelStatistics statistics() const override { return state_->statistics(id_); }
+
+ private:
+  std::shared_ptr<State> state_;
+  MemberId id_;
+};
+
+MemoryNetwork::MemoryNetwork(const LinkConfig& link) : state_(std::make_shared<State>(link)) {}
+
+std::unique_ptr<Channel> MemoryNetwork::join(bool is_robot, const std::string& name) {
+  return std::make_unique<End>(state_, state_->join(is_robot, name));
+}
+
+std::unique_ptr<Channel> MemoryNetwork::join_robot(const std::string& robot) {
+  return join(true, robot);
+}
+
+std::unique_ptr<Channel> MemoryNetwork::join_cloud(const std::string& localizer) {
+  return join(false, localizer);
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "shared/link/channel.hpp"
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+/// Robots and localizers in one process and in simulated time: what DDS does between them, with the
+/// same partitions, datagrams and header bytes, and nothing else (no discovery, no heartbeats).
+///
+/// A robot's uplink carries what it sends, its downlink what it receives; every robot has a link of
+/// its own. A robot hears the localizations of its own partition and every localizer's status; a
+/// localizer hears every session, and the submaps and robot statuses of its own partition. Session
+/// and localizer status are reliable and transient-local: the last one of each sender is repeated
+/// until it has arrived at each who hears it, late joiners included. The rest is best effort.
+///
+/// Time is the largest that any call has named; repetitions happen while it advances. The same
+/// calls give the same result. One thread.
+class MemoryNetwork {
+ public:
+  /// As the writers of session and localizer status in qos_profiles/.
+  static constexpr Duration kRepetition = std::chrono::seconds(1);
+
+  explicit MemoryNetwork(const LinkConfig& link);
+
+  /// The ends; each leaves the network when it is destroyed, and may outlive this object.
+  std::unique_ptr<Channel> join_robot(const std::string& robot);
+  std::unique_ptr<Channel> join_cloud(const std::string& localizer);
+
+ private:
+  class State;
+  class End;
+
+  std::unique_ptr<Channel> join(bool is_robot, const std::string& name);
+
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace fleetloc

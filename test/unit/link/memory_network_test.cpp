@@ -1,0 +1,205 @@
+#include "shared/link/memory_network.hpp"
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "shared/link/datagrams.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr Timestamp kStart{seconds(100)};
+
+Message message(Topic topic, std::uint8_t content, std::size_t size = 100) {
+  return {.topic = topic, .payload = Bytes(size, content)};
+}
+
+std::vector<int> contents(const std::vector<Message>& messages) {
+  std::vector<int> contents;
+  for (const Message& message : messages) contents.push_back(message.payload.front());
+  return contents;
+}
+
+LinkConfig uplink(const LinkDirection& direction, std::uint64_t seed = 1) {
+  return {.uplink = direction, .downlink = {}, .seed = seed};
+}
+
+TEST(DatagramSizes, SplitWhatDoesNotFitBelowTheMtu) {
+  EXPECT_EQ(datagram_sizes(100).size(), 1);
+  const auto sizes = datagram_sizes(12'000);
+  EXPECT_EQ(sizes.size(), 10);
+  EXPECT_LE(std::ranges::max(sizes), 1400);
+}
+
+TEST(MemoryNetwork, CarriesEveryTopicToThoseWhoHearIt) {
+  MemoryNetwork network(perfect_link());
+  const auto robot = network.join_robot("robot");
+  const auto other_robot = network.join_robot("other_robot");
+  const auto cloud = network.join_cloud("cloud");
+  const auto other_cloud = network.join_cloud("other_cloud");
+  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSubmap, 2), kStart);
+  robot->send("cloud", message(Topic::kRobotStatus, 3), kStart);
+  cloud->send("robot", message(Topic::kLocalization, 4), kStart);
+  cloud->send("", message(Topic::kLocalizerStatus, 5), kStart);
+  EXPECT_THAT(contents(cloud->receive(kStart)), ElementsAre(1, 2, 3));
+  EXPECT_THAT(contents(other_cloud->receive(kStart)), ElementsAre(1));
+  EXPECT_THAT(contents(robot->receive(kStart)), ElementsAre(4, 5));
+  EXPECT_THAT(contents(other_robot->receive(kStart)), ElementsAre(5));
+  EXPECT_THAT(cloud->receive(kStart + seconds(10)), IsEmpty()) << "each message is returned once";
+}
+
+TEST(MemoryNetwork, DelaysEachDirectionOnItsOwn) {
+  MemoryNetwork network({.uplink = {.delay_s = 1.0}, .downlink = {.delay_s = 0.1}, .seed = 1});
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  robot->send("cloud", message(Topic::kSubmap, 1), kStart);
+  cloud->send("robot", message(Topic::kLocalization, 2), kStart);
+  EXPECT_THAT(robot->receive(kStart + milliseconds(99)), IsEmpty());
+  EXPECT_THAT(contents(robot->receive(kStart + milliseconds(100))), ElementsAre(2));
+  EXPECT_THAT(cloud->receive(kStart + milliseconds(999)), IsEmpty());
+  EXPECT_THAT(contents(cloud->receive(kStart + milliseconds(1000))), ElementsAre(1));
+}
+
+TEST(MemoryNetwork, GivesMessagesInOrderOfArrival) {
+  MemoryNetwork network(uplink({.delay_s = 1.0}));
+  const auto first = network.join_robot("first");
+  const auto second = network.join_robot("second");
+  const auto cloud = network.join_cloud("cloud");
+  first->send("cloud", message(Topic::kSubmap, 1), kStart + milliseconds(20));
+  second->send("cloud", message(Topic::kSubmap, 2), kStart + milliseconds(10));
+  first->send("cloud", message(Topic::kSubmap, 3), kStart + milliseconds(20));
+  EXPECT_THAT(contents(cloud->receive(kStart + seconds(2))), ElementsAre(2, 1, 3));
+}
+
+TEST(MemoryNetwork, CountsPayloadAndWireBytes) {
+  MemoryNetwork network(perfect_link());
+  const auto robot = network.join_robot("robot");
+  robot->send("cloud", message(Topic::kSubmap, 1), kStart);  // nobody hears it
+  EXPECT_EQ(robot->statistics().sent_messages, 1);
+  EXPECT_EQ(robot->statistics().sent_wire_bytes, 0);
+  const auto cloud = network.join_cloud("cloud");
+  robot->send("cloud", message(Topic::kSubmap, 1, 3000), kStart);
+  EXPECT_THAT(cloud->receive(kStart), testing::SizeIs(1));
+  std::size_t wire_bytes = 0;
+  for (const std::size_t bytes : datagram_sizes(3000)) wire_bytes += bytes;
+  EXPECT_EQ(robot->statistics().sent_payload_bytes, 3100);
+  EXPECT_EQ(robot->statistics().sent_wire_bytes, wire_bytes);
+  EXPECT_EQ(cloud->statistics().received_messages, 1);
+  EXPECT_EQ(cloud->statistics().received_payload_bytes, 3000);
+  EXPECT_EQ(cloud->statistics().received_wire_bytes, wire_bytes);
+}
+
+TEST(MemoryNetwork, LosesASampleWithAnyOfItsFragments) {
+  constexpr int kSamples = 4000;
+  MemoryNetwork network(uplink({.loss = 0.5}));
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  const std::size_t size = 4000;
+  ASSERT_EQ(datagram_sizes(size).size(), 4);
+  for (int i = 0; i < kSamples; ++i) {
+    robot->send("cloud", message(Topic::kSubmap, 1, size), kStart);
+  }
+  const auto arrived = static_cast<double>(cloud->receive(kStart).size());
+  EXPECT_NEAR(arrived / kSamples, 1.0 / 16, 0.015);
+  const ChannelStatistics sent = robot->statistics();
+  const ChannelStatistics received = cloud->statistics();
+  EXPECT_NEAR(static_cast<double>(received.received_wire_bytes),
+              0.5 * static_cast<double>(sent.sent_wire_bytes),
+              0.02 * static_cast<double>(sent.sent_wire_bytes))
+      << "fragments that arrive are received, whatever becomes of their sample";
+}
+
+TEST(MemoryNetwork, RepeatsASessionUntilItArrivesAndThenNoMore) {
+  MemoryNetwork network(uplink({.loss = 0.9, .delay_s = 0.5}, 3));
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  robot->send("", message(Topic::kSession, 1), kStart);
+  int arrived = 0;
+  for (int second = 0; second < 600; ++second) {
+    arrived += static_cast<int>(cloud->receive(kStart + seconds(second)).size());
+  }
+  EXPECT_EQ(arrived, 1);
+}
+
+TEST(MemoryNetwork, RepeatsOnlyTheLastSession) {
+  MemoryNetwork network(uplink({.loss = 1.0}));
+  const auto robot = network.join_robot("robot");
+  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("", message(Topic::kSession, 2), kStart);
+  const auto cloud = network.join_cloud("cloud");
+  EXPECT_THAT(cloud->receive(kStart + seconds(60)), IsEmpty());
+  const std::uint64_t one = datagram_sizes(100).front();
+  EXPECT_EQ(robot->statistics().sent_wire_bytes, 61 * one) << "once a second, one sample";
+}
+
+TEST(MemoryNetwork, TellsALateJoinerTheLastSessionOfEveryRobotThatIsThere) {
+  MemoryNetwork network(uplink({.delay_s = 0.5}));
+  const auto robot = network.join_robot("robot");
+  const auto other_robot = network.join_robot("other_robot");
+  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("", message(Topic::kSession, 2), kStart);
+  robot->send("cloud", message(Topic::kSubmap, 3), kStart);
+  other_robot->send("", message(Topic::kSession, 4), kStart);
+  {
+    const auto leaving = network.join_robot("leaving_robot");
+    leaving->send("", message(Topic::kSession, 5), kStart);
+  }
+  EXPECT_THAT(robot->receive(kStart + seconds(7)), IsEmpty());
+  const auto cloud = network.join_cloud("cloud");
+  EXPECT_THAT(cloud->receive(kStart + milliseconds(7499)), IsEmpty());
+  EXPECT_THAT(contents(cloud->receive(kStart + milliseconds(7500))), ElementsAre(2, 4));
+}
+
+TEST(MemoryNetwork, RepeatsBitByBit) {
+  const auto run = [] {
+    MemoryNetwork network({.uplink = {.loss = 0.3, .delay_s = 0.2},
+                           .downlink = {.loss = 0.5, .delay_s = 0.1},
+                           .seed = 11});
+    const auto cloud = network.join_cloud("cloud");
+    const auto robot = network.join_robot("robot");
+    robot->send("", message(Topic::kSession, 0), kStart);
+    std::vector<int> heard;
+    for (int i = 0; i < 200; ++i) {
+      const Timestamp now = kStart + milliseconds(100 * i);
+      robot->send("cloud", message(Topic::kSubmap, static_cast<std::uint8_t>(i)), now);
+      for (const int content : contents(cloud->receive(now))) {
+        heard.push_back(content);
+        cloud->send("robot", message(Topic::kLocalization, 1), now);
+      }
+      heard.push_back(-static_cast<int>(robot->receive(now).size()));
+    }
+    return heard;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+TEST(MemoryNetwork, GivesEveryRobotALinkOfItsOwnWhoeverJoinsFirst) {
+  const auto heard_from_b = [](bool a_first) {
+    MemoryNetwork network(uplink({.loss = 0.5}));
+    std::set<std::unique_ptr<Channel>> others;
+    if (a_first) others.insert(network.join_robot("a"));
+    const auto b = network.join_robot("b");
+    const auto cloud = network.join_cloud("cloud");
+    for (int i = 0; i < 100; ++i) {
+      for (const auto& other : others) other->send("cloud", message(Topic::kSubmap, 200), kStart);
+      b->send("cloud", message(Topic::kSubmap, static_cast<std::uint8_t>(i)), kStart);
+    }
+    auto heard = contents(cloud->receive(kStart));
+    std::erase(heard, 200);
+    return heard;
+  };
+  EXPECT_EQ(heard_from_b(false), heard_from_b(true));
+}
+
+}  // namespace
+}  // namespace fleetloc
