@@ -12,14 +12,21 @@ namespace {
 TEST(DefaultConfig, IsTheFileInDeploy) {
   auto built_in = ConfigReader::from_string(default_config("robot"));
   auto file = ConfigReader::from_file(FLEETLOC_SOURCE_DIR "/deploy/config/robot.yaml");
-  EXPECT_EQ(built_in.section("dds").integer("domain", 0, 100),
-            file.section("dds").integer("domain", 0, 100));
+  EXPECT_EQ(built_in.section("start").positive("yaw_sigma_deg"),
+            file.section("start").positive("yaw_sigma_deg"));
 }
 
 TEST(DefaultConfig, TakesTheUsersValuesOnTop) {
   auto config = ConfigReader::from_string(default_config("robot"), "robot.yaml");
-  config.overlay(ConfigReader::from_string("dds: {domain: 7}"));
-  EXPECT_EQ(config.section("dds").integer("domain", 0, 100), 7);
+  config.overlay(ConfigReader::from_string("start: {yaw_sigma_deg: 7}"));
+  EXPECT_EQ(config.section("start").positive("yaw_sigma_deg"), 7.0);
+}
+
+TEST(DefaultConfig, OfEverythingHasTheSectionsOfAllPrograms) {
+  auto config = ConfigReader::from_string(default_config("everything"));
+  EXPECT_GT(config.section("start").positive("yaw_sigma_deg"), 0.0);
+  EXPECT_GT(config.section("pool").positive("status_interval_s"), 0.0);
+  EXPECT_GT(config.section("replay").positive("back_end_s"), 0.0);
 }
 
 TEST(DefaultConfig, OfAnUnknownProgramDoesNotExist) {
