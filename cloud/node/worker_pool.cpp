@@ -1,0 +1,44 @@
+#include "cloud/node/worker_pool.hpp"
+
+#include <ctime>
+#include <utility>
+
+namespace fleetloc {
+namespace {
+
+Duration thread_cpu_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+}  // namespace
+
+WorkerPool::WorkerPool(int threads)
+    : jobs_(static_cast<std::size_t>(threads), Overflow::kBlock),
+      finished_(static_cast<std::size_t>(threads), Overflow::kBlock) {
+  for (int i = 0; i < threads; ++i) {
+    threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
+  }
+}
+
+void WorkerPool::work(const std::stop_token& stop) {
+  while (auto job = jobs_.pop(stop)) {
+    const Duration begin = thread_cpu_time();
+    Answer answer = LocalizerPool::run(*job);
+    finished_.push({std::move(*job), std::move(answer), thread_cpu_time() - begin}, stop);
+  }
+}
+
+void WorkerPool::start(LocalizerPool::Job job) {
+  ++running_;
+  jobs_.push(std::move(job));
+}
+
+std::optional<WorkerPool::Finished> WorkerPool::take() {
+  auto finished = finished_.try_pop();
+  if (finished) --running_;
+  return finished;
+}
+
+}  // namespace fleetloc

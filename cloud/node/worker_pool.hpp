@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "cloud/pool/localizer_pool.hpp"
+#include "shared/concurrency/bounded_queue.hpp"
+
+namespace fleetloc {
+
+/// Threads that run the jobs of a LocalizerPool.
+class WorkerPool {
+ public:
+  struct Finished {
+    LocalizerPool::Job job;
+    Answer answer;
+    Duration cpu{};
+  };
+
+  explicit WorkerPool(int threads);
+
+  /// True if a worker is free; then start() does not wait.
+  [[nodiscard]] bool has_room() const { return running_ < threads_.size(); }
+  void start(LocalizerPool::Job job);
+  std::optional<Finished> take();
+
+ private:
+  void work(const std::stop_token& stop);
+
+  std::size_t running_ = 0;  // jobs whose result has not been taken
+  BoundedQueue<LocalizerPool::Job> jobs_;
+  BoundedQueue<Finished> finished_;
+  std::vector<std::jthread> threads_;  // last: they use the others
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,44 @@
+#include "cloud/pool/sessions_report.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+namespace fleetloc {
+namespace {
+
+// Nearest rank; null for nothing.
+nlohmann::json percentile(std::vector<double> values, double share) {
+  if (values.empty()) return nullptr;
+  std::ranges::sort(values);
+  const auto last = static_cast<double>(values.size() - 1);
+  return values[static_cast<std::size_t>(share * last + 0.5)];
+}
+
+nlohmann::json to_json(const SessionReport& report) {
+  return {{"submaps", report.submaps},
+          {"localized", report.localized},
+          {"rejected", report.rejected},
+          {"refused", report.refused},
+          {"optimize_ms",
+           {{"p50", percentile(report.optimize_ms, 0.5)},
+            {"p99", percentile(report.optimize_ms, 0.99)}}},
+          {"matches", {{"p50", percentile(report.matches, 0.5)}}},
+          {"memory_bytes", report.memory_bytes}};
+}
+
+}  // namespace
+
+void write_sessions(const std::filesystem::path& file,
+                    const std::map<RobotId, SessionReport>& reports) {
+  nlohmann::json sessions = nlohmann::json::object();
+  for (const auto& [robot, report] : reports) sessions[robot] = to_json(report);
+  std::ofstream stream(file);
+  stream << sessions.dump(2) << '\n';
+  stream.close();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+}  // namespace fleetloc

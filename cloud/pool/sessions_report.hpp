@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+
+#include "cloud/pool/localizer_pool.hpp"
+
+namespace fleetloc {
+
+/// Writes sessions.json. Throws std::runtime_error that names the file.
+void write_sessions(const std::filesystem::path& file,
+                    const std::map<RobotId, SessionReport>& reports);
+
+}  // namespace fleetloc

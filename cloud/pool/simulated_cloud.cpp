@@ -1,0 +1,37 @@
+#include "cloud/pool/simulated_cloud.hpp"
+
+#include <utility>
+
+namespace fleetloc {
+
+SimulatedCloud::SimulatedCloud(LocalizerPool pool,
+                               Channel& channel,
+                               Duration localization_time,
+                               std::function<Duration()> cpu_clock)
+    : pool_(std::move(pool)),
+      channel_(channel),
+      localization_time_(localization_time),
+      cpu_clock_(std::move(cpu_clock)) {}
+
+void SimulatedCloud::advance(Timestamp now) {
+  for (const Message& message : channel_.receive(now)) pool_.receive(message, now);
+  if (running_ && running_->ready <= now) {
+    pool_.finish(running_->job, std::move(running_->answer), running_->optimize_ms, now);
+    running_.reset();
+  }
+  if (!running_) start_next(now);
+  for (auto& outgoing : pool_.outgoing(now, running_ ? 1.0 : 0.0)) {
+    channel_.send(outgoing.partition, std::move(outgoing.message), now);
+  }
+}
+
+void SimulatedCloud::start_next(Timestamp now) {
+  auto job = pool_.take_job();
+  if (!job) return;
+  const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
+  Answer answer = LocalizerPool::run(*job);
+  const Duration cpu = cpu_clock_ ? cpu_clock_() - begin : Duration{};
+  running_ = {std::move(*job), std::move(answer), 1e3 * to_seconds(cpu), now + localization_time_};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "cloud/pool/localizer_pool.hpp"
+#include "shared/link/channel.hpp"
+
+namespace fleetloc {
+
+/// A localizer in simulated time, with one worker: each localization takes a fixed time, whatever
+/// this machine needs.
+class SimulatedCloud {
+ public:
+  /// @param cpu_clock  only for reports; may be null
+  SimulatedCloud(LocalizerPool pool,
+                 Channel& channel,
+                 Duration localization_time,
+                 std::function<Duration()> cpu_clock);
+
+  /// Everything that happens until `now`. To be called at small steps of time.
+  void advance(Timestamp now);
+
+  [[nodiscard]] const LocalizerPool& pool() const { return pool_; }
+
+ private:
+  struct Running {
+    LocalizerPool::Job job;
+    Answer answer;
+    double optimize_ms = 0.0;
+    Timestamp ready;
+  };
+  void start_next(Timestamp now);
+
+  LocalizerPool pool_;
+  Channel& channel_;
+  Duration localization_time_;
+  std::function<Duration()> cpu_clock_;
+  std::optional<Running> running_;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+
+#include "cloud/pool/localizer_pool.hpp"
+#include "robot/cloud_client/cloud_client.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+/// Computing times that a replay assumes, so that its latency is neither flattered nor noisy.
+struct ReplayDurations {
+  double back_end_s;
+  double localization_s;
+};
+
+struct ReplayConfig {
+  RobotPipeline::Config pipeline;
+  KeyframeWorker::Config worker;
+  CloudClient::Config client;
+  LocalizerPool::Config pool;
+  ReplayDurations durations;
+};
+
+struct ReplayOptions {
+  std::filesystem::path dataset;
+  std::filesystem::path out;
+  std::optional<std::filesystem::path> map;  ///< without: odometry only
+  std::optional<Pose> T_map_body;            ///< start pose, at the first image
+  double start_s = 0.0;
+  std::optional<double> duration_s;
+  LinkConfig link;
+  bool align_once = false;
+};
+
+/// Runs a dataset through robot, link and cloud in one thread and in simulated time. The same
+/// input gives the same bits. Throws std::runtime_error, e.g. from the readers.
+void replay(const ReplayOptions& options, const ReplayConfig& config, const std::stop_token& stop);
+
+}  // namespace fleetloc

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "robot/pipeline/back_end.hpp"
+#include "shared/concurrency/bounded_queue.hpp"
+
+namespace fleetloc {
+
+/// Runs the back end on a thread of its own.
+class ThreadedBackEnd final : public BackEnd {
+ public:
+  explicit ThreadedBackEnd(KeyframeWorker worker);
+
+  void start(KeyframeJob job, Timestamp now) override;
+  std::optional<KeyframeResult> take(Timestamp now) override;
+
+ private:
+  KeyframeWorker worker_;  // used by the thread only
+  BoundedQueue<KeyframeJob> jobs_{1, Overflow::kBlock};
+  BoundedQueue<KeyframeResult> results_{1, Overflow::kBlock};
+  std::jthread thread_;  // last: uses the others
+};
+
+}  // namespace fleetloc

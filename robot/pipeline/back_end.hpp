@@ -1,0 +1,80 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "robot/submap/submap_builder.hpp"
+#include "robot/vio/initializer.hpp"
+#include "robot/vio/sliding_window.hpp"
+#include "shared/model/submap.hpp"
+
+namespace fleetloc {
+
+/// Processor time that the calling thread has used; only for reports. Null: nothing is measured.
+using CpuClock = std::function<Duration()>;
+
+/// What the back end is to work on: the first keyframes of a session, or one more.
+using KeyframeJob = std::variant<Initialization, KeyframeInput>;
+
+struct KeyframeResult {
+  std::shared_ptr<const WindowEstimate> window;
+  Submap submap;   ///< without what identifies robot, session and sample
+  Duration cpu{};  ///< what the job took
+};
+
+/// Optimizes the window and builds the submap. One session, one thread at a time.
+class KeyframeWorker {
+ public:
+  struct Config {
+    SlidingWindow::Config window;
+    SubmapBuilder::Config submap;
+  };
+  KeyframeWorker(const RectifiedStereo& stereo,
+                 const ImuNoise& noise,
+                 const Config& config,
+                 CpuClock cpu_clock);
+
+  KeyframeResult run(const KeyframeJob& job);
+
+ private:
+  WindowEstimate optimize(const KeyframeJob& job);
+
+  RectifiedStereo stereo_;
+  ImuNoise noise_;
+  Config config_;
+  CpuClock cpu_clock_;
+  std::optional<SlidingWindow> window_;
+  SubmapBuilder builder_;
+};
+
+/// Runs a KeyframeWorker beside the tracking, one job at a time.
+class BackEnd {
+ public:
+  virtual ~BackEnd() = default;
+
+  /// Not while the result of an earlier job has not been taken.
+  virtual void start(KeyframeJob job, Timestamp now) = 0;
+
+  /// The result, once.
+  virtual std::optional<KeyframeResult> take(Timestamp now) = 0;
+};
+
+/// For replays: the result appears a fixed time after the start, whatever this machine needs.
+class SimulatedBackEnd final : public BackEnd {
+ public:
+  SimulatedBackEnd(KeyframeWorker worker, Duration duration)
+      : worker_(std::move(worker)), duration_(duration) {}
+
+  void start(KeyframeJob job, Timestamp now) override;
+  std::optional<KeyframeResult> take(Timestamp now) override;
+
+ private:
+  KeyframeWorker worker_;
+  Duration duration_;
+  Timestamp ready_;
+  std::optional<KeyframeResult> result_;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,192 @@
+#include "robot/pipeline/robot_pipeline.hpp"
+
+#include <utility>
+
+#include "robot/inertial/preintegration.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+namespace {
+
+// More frames than this waiting for the IMU mean that it has stopped: the oldest are given up.
+constexpr std::size_t kMaxPending = 4;
+
+}  // namespace
+
+RobotPipeline::RobotPipeline(RobotSetup setup,
+                             const Config& config,
+                             BackEnd& back_end,
+                             MapLocalizer* localizer,
+                             CpuClock cpu_clock)
+    : setup_(std::move(setup)),
+      config_(config),
+      stereo_(rectified(setup_.calibration)),
+      back_end_(back_end),
+      localizer_(localizer),
+      cpu_clock_(std::move(cpu_clock)),
+      tracker_(setup_.calibration, config.tracking),
+      initializer_(stereo_, setup_.imu_noise, config.initializer),
+      frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
+      fusion_(setup_.imu_noise, config.fusion) {}
+
+PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
+  ++imu_samples_;
+  if (!imu_.add(sample)) ++refused_imu_samples_;
+  const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
+  const PoseEstimate pose = fusion_.add_imu(sample);
+  if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
+  track_pending();
+  return pose;
+}
+
+void RobotPipeline::add_images(StereoFrame frame) {
+  pending_.push_back(std::move(frame));
+  track_pending();
+  if (pending_.size() > kMaxPending) pending_.pop_front();
+}
+
+void RobotPipeline::poll(Timestamp now) {
+  take_back_end(now);
+  take_cloud(now);
+}
+
+void RobotPipeline::track_pending() {
+  while (!pending_.empty() && imu_.covers(pending_.front().stamp)) {
+    const StereoFrame frame = std::move(pending_.front());
+    pending_.pop_front();
+    frames_.push_back(track(frame));
+  }
+}
+
+FrameOutput RobotPipeline::track(const StereoFrame& frame) {
+  const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
+  if (!first_frame_) first_frame_ = frame.stamp;
+  const TrackedFrame tracked = tracker_.track(frame, predicted_rotation(frame.stamp));
+  FrameOutput output{
+      .stamp = frame.stamp, .pose = {}, .tracks = static_cast<int>(tracked.observations.size())};
+  if (window_) {
+    output.keyframe = estimate(tracked);
+  } else if (!initialization_) {
+    initialize(tracked);
+  }
+  previous_frame_ = frame.stamp;
+  if (cpu_clock_) output.tracking_cpu = cpu_clock_() - begin;
+  if (const auto pose = fusion_.estimate_at(frame.stamp)) output.pose = *pose;
+  output.pose.stamp = frame.stamp;
+  return output;
+}
+
+void RobotPipeline::initialize(const TrackedFrame& frame) {
+  std::vector<ImuSample> since_previous;
+  if (previous_frame_) since_previous = imu_.between(*previous_frame_, frame.stamp);
+  auto initialization = initializer_.add(frame, since_previous);
+  if (!initialization) return;
+  initialization_ = *initialization;
+  newest_keyframe_ = initialization->keyframes.back().frame.stamp;
+  next_keyframe_ = static_cast<std::uint32_t>(initialization->keyframes.back().id) + 1;
+  back_end_.start(std::move(*initialization), frame.stamp);
+  back_end_busy_ = true;
+}
+
+bool RobotPipeline::estimate(const TrackedFrame& frame) {
+  const auto result = frame_estimator_.estimate(frame, imu_);
+  if (!result) return false;
+  fusion_.add_odometry(result->estimate);
+  if (!result->wants_keyframe || back_end_busy_) return false;
+  auto imu = imu_.between(newest_keyframe_, frame.stamp);
+  if (imu.empty()) return false;
+  back_end_.start(
+      KeyframeInput{.id = KeyframeId{next_keyframe_++}, .frame = frame, .imu = std::move(imu)},
+      frame.stamp);
+  back_end_busy_ = true;
+  newest_keyframe_ = frame.stamp;
+  return true;
+}
+
+void RobotPipeline::take_back_end(Timestamp now) {
+  auto result = back_end_.take(now);
+  if (!result) return;
+  back_end_busy_ = false;
+  back_end_cpu_.push_back(result->cpu);
+  const bool first = window_ == nullptr;
+  window_ = std::move(result->window);
+  frame_estimator_.update(window_);
+  imu_.forget_before(window_->keyframes.back().stamp);
+  ++submaps_built_;
+  if (localizer_ == nullptr) return;
+  if (first) start_session(now);
+  localizer_->submit(std::move(result->submap), now);
+}
+
+void RobotPipeline::take_cloud(Timestamp now) {
+  if (localizer_ == nullptr) return;
+  for (Answer& answer : localizer_->take_answers(now)) {
+    AnswerOutput output{.answer = std::move(answer), .arrival = now};
+    if (setup_.align_once && aligned_) {
+      output.reason = "aligned_once";
+    } else {
+      const auto verdict = fusion_.add_answer(output.answer);
+      output.applied = verdict.applied;
+      output.reason = verdict.reason;
+      aligned_ = aligned_ || verdict.applied;
+    }
+    answers_.push_back(std::move(output));
+  }
+}
+
+void RobotPipeline::start_session(Timestamp now) {
+  RobotSession session;
+  session.robot = setup_.id;
+  session.session = SessionNumber{1};
+  session.start_stamp = *first_frame_;
+  session.stereo = stereo_;
+  if (setup_.T_map_body) session.start = start_pose(*setup_.T_map_body);
+  localizer_->start_session(session, now);
+}
+
+// The start pose holds at the first image; the initialization knows the motion since then. Its
+// uncertainty is stated by a person, along the axes of the map.
+StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
+  const Pose T_map_body = T_map_body_first * initialization_->T_first_newest;
+  const Pose& T_odom_body = initialization_->states.back().T_odom_body;
+  const StartUncertainty& sigma = config_.start;
+  const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
+  const Eigen::Vector3d rotation_sigma(
+      sigma.tilt_sigma_rad, sigma.tilt_sigma_rad, sigma.yaw_sigma_rad);
+  Matrix6d covariance_body = Matrix6d::Zero();
+  covariance_body.topLeftCorner<3, 3>() =
+      R_body_map * rotation_sigma.cwiseAbs2().asDiagonal() * R_body_map.transpose();
+  covariance_body.bottomRightCorner<3, 3>() =
+      Eigen::Matrix3d::Identity() * sigma.position_sigma_m * sigma.position_sigma_m;
+  const Matrix6d A = adjoint(T_odom_body);
+  return {.T_map_odom = T_map_body * inverse(T_odom_body),
+          .covariance = A * covariance_body * A.transpose()};
+}
+
+// From the gyroscope alone; nothing where the IMU has a gap.
+Eigen::Quaterniond RobotPipeline::predicted_rotation(Timestamp stamp) const {
+  if (!previous_frame_) return Eigen::Quaterniond::Identity();
+  const std::vector<ImuSample> samples = imu_.between(*previous_frame_, stamp);
+  if (samples.size() < 2) return Eigen::Quaterniond::Identity();
+  const ImuBias bias = window_ ? window_->keyframes.back().state.bias : ImuBias{};
+  return Preintegration(samples, bias, setup_.imu_noise).deltas(bias).R;
+}
+
+RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
+  constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+  ConfigReader start = config.section("start");
+  return {.tracking = read_feature_tracker_config(config.section("tracking")),
+          .initializer = read_initializer_config(config.section("vio")),
+          .frame_estimator = read_frame_estimator_config(config.section("vio")),
+          .fusion = read_pose_fusion_config(config.section("fusion")),
+          .start = {.position_sigma_m = start.positive("position_sigma_m"),
+                    .yaw_sigma_rad = start.positive("yaw_sigma_deg") * kRadPerDeg,
+                    .tilt_sigma_rad = start.positive("tilt_sigma_deg") * kRadPerDeg}};
+}
+
+KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {
+  return {.window = read_sliding_window_config(config.section("vio")),
+          .submap = read_submap_builder_config(config.section("submap"))};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,69 @@
+#include "robot/pipeline/run_recorder.hpp"
+
+#include <ctime>
+
+#include <sys/resource.h>
+
+namespace fleetloc {
+namespace {
+
+double seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
+}  // namespace
+
+Duration thread_cpu_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+void RunRecorder::take(RobotPipeline& pipeline, const RunTraffic& traffic) {
+  for (const FrameOutput& frame : pipeline.take_frames()) {
+    summary_.tracking_ms.push_back(1e3 * to_seconds(frame.tracking_cpu));
+    folder_.add_frame({.pose = frame.pose,
+                       .uplink_bytes = traffic.uplink_bytes,
+                       .downlink_bytes = traffic.downlink_bytes,
+                       .loss = traffic.loss,
+                       .round_trip = traffic.round_trip,
+                       .tracks = frame.tracks,
+                       .keyframe = frame.keyframe});
+  }
+  for (const AnswerOutput& output : pipeline.take_answers()) {
+    folder_.add_answer({.stamp = output.answer.stamp,
+                        .arrival = output.arrival,
+                        .localizer = output.answer.localizer,
+                        .status = output.answer.status,
+                        .reason = output.reason,
+                        .applied = output.applied});
+  }
+}
+
+void RunRecorder::finish(const RobotPipeline& pipeline,
+                         const RunTraffic& traffic,
+                         double wall_s,
+                         const std::map<std::string, std::uint64_t>& input_faults) {
+  for (const Duration cpu : pipeline.back_end_cpu()) {
+    summary_.backend_ms.push_back(1e3 * to_seconds(cpu));
+  }
+  summary_.submaps_sent = traffic.submaps_sent;
+  summary_.uplink_bytes = traffic.uplink_bytes;
+  summary_.downlink_bytes = traffic.downlink_bytes;
+  summary_.uplink_wire_bytes = traffic.uplink_wire_bytes;
+  summary_.downlink_wire_bytes = traffic.downlink_wire_bytes;
+  summary_.input_faults = input_faults;
+  summary_.input_faults["refused_imu_samples"] = pipeline.refused_imu_samples();
+  summary_.wall_s = wall_s;
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  summary_.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  summary_.max_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  if (pipeline.imu_samples() > 0) {
+    summary_.fusion_us_per_imu =
+        1e6 * to_seconds(pipeline.fusion_cpu()) / static_cast<double>(pipeline.imu_samples());
+  }
+  folder_.finish(summary_);
+}
+
+}  // namespace fleetloc

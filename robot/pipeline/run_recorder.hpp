@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/run_folder/run_folder.hpp"
+
+namespace fleetloc {
+
+/// What the network has moved so far, as far as a run folder tells.
+struct RunTraffic {
+  std::uint64_t submaps_sent = 0;
+  std::uint64_t uplink_bytes = 0;
+  std::uint64_t downlink_bytes = 0;
+  std::uint64_t uplink_wire_bytes = 0;
+  std::uint64_t downlink_wire_bytes = 0;
+  double loss = 0.0;
+  std::optional<Duration> round_trip;
+};
+
+/// Writes what a pipeline puts out into a run folder. Without a map there is no traffic.
+class RunRecorder {
+ public:
+  explicit RunRecorder(const std::filesystem::path& folder) : folder_(folder) {}
+
+  void add_imu_rate_pose(const PoseEstimate& pose) { folder_.add_imu_rate_pose(pose); }
+  void add_decoding(Duration cpu) { summary_.decode_ms.push_back(1e3 * to_seconds(cpu)); }
+
+  /// Takes the pipeline's outputs since the last call.
+  void take(RobotPipeline& pipeline, const RunTraffic& traffic);
+
+  /// `wall_s` and the input's faults are the caller's; processor time and memory are the process's.
+  void finish(const RobotPipeline& pipeline,
+              const RunTraffic& traffic,
+              double wall_s,
+              const std::map<std::string, std::uint64_t>& input_faults);
+
+ private:
+  RunFolder folder_;
+  RunSummary summary_;
+};
+
+/// Processor time of the calling thread.
+Duration thread_cpu_time();
+
+}  // namespace fleetloc
