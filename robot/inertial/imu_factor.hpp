@@ -34,7 +34,12 @@ class ImuFactor final : public ceres::SizedCostFunction<15, 7, 9, 7, 9> {
                 double* residuals,
                 double** jacobians) const override;
   [[nodiscard]] const Preintegration& preintegration() const;
-  // private members
+
+ private:
+  Preintegration preintegration_;
+  FirstEstimate first_;
+  FirstEstimate second_;
+  Matrix15d whitening_;  ///< W with W^T W = covariance^-1; lower triangular
 };
 
 /// The unwhitened error of two states and its Jacobians by the tangent of NavState (15 each).
@@ -47,7 +52,8 @@ ImuError imu_error(const Preintegration& preintegration,
                    const NavState& first,
                    const NavState& second);
 
-/// Covariance of that error: the preintegration's, and the random walk of the biases.
+/// Covariance of that error: the preintegration's, the random walk of the biases, and what both
+/// have in common, since the deltas are corrected for the bias of the first state only.
 Matrix15d imu_error_covariance(const Preintegration& preintegration);
 
 }  // namespace fleetloc

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -24,7 +25,14 @@ class Preintegration {
   [[nodiscard]] Duration duration() const;
   [[nodiscard]] const ImuBias& bias() const;  ///< linearization point
   [[nodiscard]] const ImuNoise& noise() const;
-  [[nodiscard]] const Matrix9d& covariance() const;  ///< of the deltas
+
+  /// Of the error of the deltas [rotation (right perturbation), position, velocity], given the bias
+  /// at the start: white noise, and the walk of the bias from there on.
+  [[nodiscard]] const Matrix9d& covariance() const;
+
+  /// Of that error with the walk of [gyroscope bias, accelerometer bias] from start to end.
+  [[nodiscard]] const Matrix96d& bias_walk_covariance() const;
+
   [[nodiscard]] const Matrix96d& bias_jacobian()
       const;  ///< d deltas / d [gyroscope, accelerometer]
 
@@ -41,7 +49,17 @@ class Preintegration {
 
   /// Same samples at another linearization point, exactly.
   [[nodiscard]] Preintegration relinearized(const ImuBias& bias) const;
-  // private members: the samples, deltas, covariance, Jacobian
+
+ private:
+  void integrate(const ImuSample& from, const ImuSample& to);
+
+  std::vector<ImuSample> samples_;
+  ImuBias bias_;
+  ImuNoise noise_;
+  Deltas deltas_{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  Matrix9d covariance_ = Matrix9d::Zero();
+  Matrix96d bias_jacobian_ = Matrix96d::Zero();
+  Matrix96d bias_walk_covariance_ = Matrix96d::Zero();
 };
 
 }  // namespace fleetloc
