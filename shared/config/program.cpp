@@ -1,0 +1,59 @@
+#include "shared/config/program.hpp"
+
+#include <exception>
+#include <iostream>
+#include <utility>
+
+#include "shared/config/default_config.hpp"
+
+namespace fleetloc {
+namespace {
+
+/// What CLI11 says, without its second line.
+int report(const std::string& name, const std::string& message, int exit_code) {
+  std::cerr << name << ": " << message.substr(0, message.find('\n')) << '\n';
+  return exit_code;
+}
+
+}  // namespace
+
+Program::Program(std::string name, const std::string& description, std::string config_name)
+    : name_(std::move(name)), config_name_(std::move(config_name)), app_(description, name_) {
+  app_.set_version_flag("--version", name_ + " " + FLEETLOC_VERSION);
+  // Before --print-config, because options take effect in the order of their definition.
+  app_.add_option("--config", config_file_, "YAML file with what differs from --print-config");
+  app_.add_flag_callback(
+      "--print-config",
+      [this] { throw CLI::CallForVersion(config_text(), kSuccess); },
+      "Print the configuration in effect and exit");
+}
+
+ConfigReader Program::config() const {
+  auto reader = ConfigReader::from_string(default_config(config_name_), config_name_ + ".yaml");
+  if (!config_file_.empty()) reader.overlay(ConfigReader::from_file(config_file_));
+  return reader;
+}
+
+std::string Program::config_text() const {
+  if (config_file_.empty()) return std::string(default_config(config_name_));  // with comments
+  return config().text();
+}
+
+int Program::run(int argc, const char* const* argv, const std::function<Run()>& prepare) {
+  Run run;
+  try {
+    app_.parse(argc, argv);
+    run = prepare();
+  } catch (const CLI::Success& success) {  // --help and the like
+    return app_.exit(success);
+  } catch (const std::exception& error) {
+    return report(name_, error.what(), kCannotStart);
+  }
+  try {
+    return run();
+  } catch (const std::exception& error) {
+    return report(name_, error.what(), kFailedAtRunTime);
+  }
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+/// What main() returns.
+enum ExitCode : int { kSuccess = 0, kFailedAtRunTime = 1, kCannotStart = 2 };
+
+/// What all programs have in common: --help, --version, --config FILE and --print-config; unknown
+/// options are errors, and whatever goes wrong is one line on stderr and an exit code.
+///
+///     int main(int argc, char** argv) {
+///       Program program("fleetloc-cloud", "Localizes robots in a laser map.");
+///       std::string map_file;
+///       program.options().add_option("--map", map_file, "laser map")->required();
+///       return program.run(argc, argv, [&] {
+///         auto node = std::make_shared<Node>(load_map(map_file), program.config());
+///         return [node] { return node->run(); };
+///       });
+///     }
+class Program {
+ public:
+  using Run = std::function<int()>;
+
+  /// @param config_name  of the defaults, see default_config()
+  Program(std::string name, const std::string& description, std::string config_name = "everything");
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// To add options and subcommands to, before run().
+  CLI::App& options() { return app_; }
+
+  /// The defaults, overlaid by the file of --config. Throws ConfigError.
+  [[nodiscard]] ConfigReader config() const;
+
+  /// Reads the command line, then prepares, then runs what `prepare` returned.
+  /// @return for main(): 2 if the command line is wrong or `prepare` throws, 1 if the run throws,
+  ///         else what the run returns
+  int run(int argc, const char* const* argv, const std::function<Run()>& prepare);
+
+ private:
+  [[nodiscard]] std::string config_text() const;
+
+  std::string name_;
+  std::string config_name_;
+  std::string config_file_;
+  CLI::App app_;
+};
+
+}  // namespace fleetloc
