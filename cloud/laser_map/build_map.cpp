@@ -1,0 +1,135 @@
+#include "cloud/laser_map/build_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "cloud/laser_map/map_hash.hpp"
+#include "cloud/laser_map/point_index.hpp"
+
+namespace fleetloc {
+namespace {
+
+/// Farther out neighbouring floats are more than a millimetre apart.
+constexpr float kMaxCoordinate_m = 16384.0F;
+
+struct PointInVoxel {
+  std::array<std::int64_t, 3> voxel;  // coordinates [resolution_m]
+  Eigen::Vector3f p_map;
+};
+
+std::vector<PointInVoxel> sorted_by_voxel(const std::vector<Eigen::Vector3f>& points,
+                                          double resolution_m) {
+  std::vector<PointInVoxel> sorted;
+  sorted.reserve(points.size());
+  for (const Eigen::Vector3f& p_map : points) {
+    if (!p_map.allFinite()) continue;
+    if (p_map.cwiseAbs().maxCoeff() > kMaxCoordinate_m) {
+      throw MapBuildError("a point is more than 16 km from the origin; shift the cloud towards it");
+    }
+    const Eigen::Vector3d voxel = (p_map.cast<double>() / resolution_m).array().floor();
+    sorted.push_back({.voxel = {static_cast<std::int64_t>(voxel.x()),
+                                static_cast<std::int64_t>(voxel.y()),
+                                static_cast<std::int64_t>(voxel.z())},
+                      .p_map = p_map});
+  }
+  std::ranges::stable_sort(sorted, {}, &PointInVoxel::voxel);
+  return sorted;
+}
+
+/// One point per voxel: the mean of its points.
+std::vector<MapPoint> voxel_means(const std::vector<PointInVoxel>& sorted) {
+  std::vector<MapPoint> means;
+  for (auto begin = sorted.begin(); begin != sorted.end();) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    auto end = begin;
+    for (; end != sorted.end() && end->voxel == begin->voxel; ++end) {
+      sum += end->p_map.cast<double>();
+    }
+    means.push_back({.p_map = (sum / static_cast<double>(end - begin)).cast<float>()});
+    begin = end;
+  }
+  return means;
+}
+
+/// Sets normal and planarity of `point` from the points at `indices`.
+void fit_surface(const std::vector<MapPoint>& points,
+                 const std::vector<std::size_t>& indices,
+                 MapPoint& point) {
+  const Eigen::Vector3d origin = point.p_map.cast<double>();  // sums of small numbers stay exact
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d sum_of_squares = Eigen::Matrix3d::Zero();
+  for (const std::size_t index : indices) {
+    const Eigen::Vector3d offset = points[index].p_map.cast<double>() - origin;
+    sum += offset;
+    sum_of_squares += offset * offset.transpose();
+  }
+  const auto count = static_cast<double>(indices.size());
+  const Eigen::Matrix3d covariance = (sum_of_squares - sum * sum.transpose() / count) / count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d sigmas = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  if (sigmas(1) < 1e-6) return;  // on a line, where no direction is the normal
+  point.normal = solver.eigenvectors().col(0).cast<float>();
+  point.planarity = static_cast<float>(1.0 - sigmas(0) / sigmas(1));
+}
+
+void fit_surfaces(std::vector<MapPoint>& points,
+                  const MapConfig& config,
+                  const MapProgress& progress) {
+  constexpr std::size_t kPointsPerReport = 4096;
+  const PointIndex index(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto indices = index.within(points[i].p_map.cast<double>(), config.normal_radius_m);
+    if (indices.size() > static_cast<std::size_t>(config.min_neighbours)) {
+      fit_surface(points, indices, points[i]);
+    }
+    if (progress && (i + 1) % kPointsPerReport == 0) progress(i + 1, points.size());
+  }
+  if (progress) progress(points.size(), points.size());
+}
+
+MapInfo describe(const std::vector<MapPoint>& points, const std::string& frame, double resolution) {
+  Eigen::Vector3f min = points.front().p_map;
+  Eigen::Vector3f max = min;
+  for (const MapPoint& point : points) {
+    min = min.cwiseMin(point.p_map);
+    max = max.cwiseMax(point.p_map);
+  }
+  return {.frame = frame,
+          .resolution_m = resolution,
+          .min = min.cast<double>(),
+          .max = max.cast<double>(),
+          .hash = map_hash(points)};
+}
+
+}  // namespace
+
+MapConfig read_map_config(ConfigReader section) {
+  return {.resolution_m = section.positive("resolution_m"),
+          .normal_radius_m = section.positive("normal_radius_m"),
+          .min_neighbours = section.integer("min_neighbours", 3, 1000)};
+}
+
+LaserMap build_map(const std::vector<Eigen::Vector3f>& points,
+                   const std::string& frame,
+                   const MapConfig& config,
+                   const MapProgress& progress) {
+  std::vector<MapPoint> surface = voxel_means(sorted_by_voxel(points, config.resolution_m));
+  if (surface.empty()) throw MapBuildError("no finite point to build a map of");
+  fit_surfaces(surface, config, progress);
+  const MapInfo info = describe(surface, frame, config.resolution_m);
+  return LaserMap(std::move(surface), info);
+}
+
+double planar_share(const LaserMap& map, double planarity) {
+  const auto planar = std::ranges::count_if(map.points(), [planarity](const MapPoint& point) {
+    return static_cast<double>(point.planarity) >= planarity;
+  });
+  return map.size() == 0 ? 0.0 : static_cast<double>(planar) / static_cast<double>(map.size());
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+struct MapConfig {
+  double resolution_m = 0.0;     ///< edge of the voxels; each becomes the mean of its points
+  double normal_radius_m = 0.0;  ///< of the surroundings that a normal is computed from
+  int min_neighbours = 0;        ///< with fewer points around it a point has no normal
+};
+
+MapConfig read_map_config(ConfigReader section);
+
+/// Points that no map can be made of.
+class MapBuildError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Told how many of how many points have their normals.
+using MapProgress = std::function<void(std::size_t done, std::size_t total)>;
+
+/// Voxel filter, then a normal and a planarity for each point by principal component analysis of
+/// the points within a radius, itself included (MapPoint says what planarity means). Points that
+/// are not finite are left out. Deterministic: the order of voxels is that of their coordinates.
+/// Throws MapBuildError if nothing is left, or if a point is so far from the origin that a float
+/// does not resolve a millimetre there.
+/// @param points  in the frame called `frame` [m]
+LaserMap build_map(const std::vector<Eigen::Vector3f>& points,
+                   const std::string& frame,
+                   const MapConfig& config,
+                   const MapProgress& progress = {});
+
+/// Share of the points with a planarity of `planarity` or more, 0..1.
+double planar_share(const LaserMap& map, double planarity);
+
+}  // namespace fleetloc
