@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+
+#include "shared/core/ids.hpp"
+#include "shared/core/time.hpp"
+#include "shared/model/pose_estimate.hpp"
+
+namespace fleetloc {
+
+/// What a robot says of itself.
+struct RobotStatus {
+  RobotId robot;
+  SessionNumber session{};
+  Timestamp stamp;
+  Quality quality = Quality::kInitializing;
+  std::uint64_t submaps_sent = 0;  ///< since the program started, like the next one
+  std::uint64_t answers_applied = 0;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <Eigen/Core>
+#include <idl/common.h>
+
+#include "shared/core/time.hpp"
+#include "shared/geometry/pose.hpp"
+#include "shared/wire/malformed.hpp"
+
+/// What several types have in common: conversions, which expect a field without defect, and checks.
+namespace fleetloc {
+
+/// Farther away nothing is believed [m]; geocentric coordinates still fit.
+inline constexpr double kFarthest = 1e8;
+
+wire::Vector3 to_wire(const Eigen::Vector3d& vector);
+wire::Pose to_wire(const Pose& T);
+Eigen::Vector3d from_wire(const wire::Vector3& vector);
+Pose from_wire(const wire::Pose& T);  ///< the rotation is normalized
+
+/// Upper triangle of R with R^T R = matrix, row by row, in single precision: what is decoded is
+/// positive semi-definite, and right to about 1e-7 of the square root of its diagonal entries.
+/// Throws NotEncodable unless the matrix is finite, symmetric and positive semi-definite.
+using SquareRoot = std::array<float, 21>;
+SquareRoot square_root_of(const Matrix6d& matrix);
+Matrix6d squared(std::span<const float, 21> square_root);
+
+wire::SquareRoot6 to_wire(const Matrix6d& matrix);
+Matrix6d from_wire(const wire::SquareRoot6& matrix);
+
+constexpr std::int64_t to_wire(Timestamp stamp) {
+  return stamp.time_since_epoch().count();
+}
+constexpr Timestamp stamp_from_wire(std::int64_t ns) {
+  return Timestamp{Duration{ns}};
+}
+
+Defect defect(double value, double least, double most);  ///< finite and within [least, most]
+Defect defect(const wire::Vector3& vector, double most = kFarthest);
+Defect defect(const wire::Pose& T);
+Defect defect(std::span<const float, 21> square_root);
+Defect defect(const wire::SquareRoot6& matrix);
+/// Within 146 years of zero, so that differences do not overflow.
+Defect defect_of_stamp(std::int64_t ns);
+
+/// Throws NotEncodable.
+void expect_encodable_id(const std::string& id);
+void expect_encodable(const Defect& defect, const std::string& what);
+
+}  // namespace fleetloc

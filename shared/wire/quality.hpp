@@ -1,0 +1,27 @@
+#pragma once
+
+#include <idl/common.h>
+
+#include "shared/model/pose_estimate.hpp"
+#include "shared/wire/malformed.hpp"
+
+namespace fleetloc {
+
+// The enumerations list the same values in the same order.
+static_assert(static_cast<int>(Quality::kInitializing) == wire::POSE_INITIALIZING);
+static_assert(static_cast<int>(Quality::kLocalized) == wire::POSE_LOCALIZED);
+static_assert(static_cast<int>(Quality::kDeadReckoning) == wire::POSE_DEAD_RECKONING);
+static_assert(static_cast<int>(Quality::kLost) == wire::POSE_LOST);
+
+constexpr wire::Quality to_wire(Quality quality) {
+  return static_cast<wire::Quality>(quality);
+}
+constexpr Quality from_wire(wire::Quality quality) {
+  return static_cast<Quality>(quality);
+}
+
+constexpr Defect defect(wire::Quality quality) {
+  return quality > wire::POSE_LOST ? Defect(Malformed::kUnknownValue) : std::nullopt;
+}
+
+}  // namespace fleetloc

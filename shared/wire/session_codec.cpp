@@ -1,0 +1,79 @@
+#include "shared/wire/session_codec.hpp"
+
+#include <idl/session.h>
+
+#include "shared/wire/cdr.hpp"
+#include "shared/wire/fields.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kLeastFocal_px = 1.0;
+constexpr double kMostFocal_px = 1e5;
+constexpr double kMostBaseline_m = 100.0;
+
+Defect defect_of_stereo(const wire::RobotSession& sample) {
+  if (const Defect found = defect(sample.focal_px(), kLeastFocal_px, kMostFocal_px)) return found;
+  for (const double center : sample.center_px()) {
+    if (const Defect found = defect(center, 0.0, kRectifiedSize)) return found;
+  }
+  // Zero: one camera.
+  if (const Defect found = defect(sample.baseline_m(), 0.0, kMostBaseline_m)) return found;
+  return defect(sample.T_body_cam0());
+}
+
+Defect defect_of_sample(const wire::RobotSession& sample) {
+  if (sample.encoding() > wire::DELTA) return Malformed::kUnknownValue;
+  if (const Defect found = defect_of_stamp(sample.start_stamp_ns())) return found;
+  if (const Defect found = defect_of_stereo(sample)) return found;
+  if (const Defect found = defect(sample.T_map_odom())) return found;
+  return defect(sample.covariance());
+}
+
+}  // namespace
+
+Bytes encode(const RobotSession& session) {
+  expect_encodable_id(session.robot);
+  expect_encodable_id(session.localizer);
+  wire::RobotSession sample;
+  sample.robot(session.robot);
+  sample.localizer(session.localizer);
+  sample.session(static_cast<std::uint32_t>(session.session));
+  sample.start_stamp_ns(to_wire(session.start_stamp));
+  sample.encoding(session.encoding == SubmapEncoding::kFull ? wire::FULL : wire::DELTA);
+  sample.focal_px(session.stereo.focal_px);
+  sample.center_px({session.stereo.center_px.x(), session.stereo.center_px.y()});
+  sample.baseline_m(session.stereo.baseline_m);
+  sample.T_body_cam0(to_wire(session.stereo.T_body_cam0));
+  sample.has_start(session.start.has_value());
+  const StartPose start = session.start.value_or(StartPose{});
+  sample.T_map_odom(to_wire(start.T_map_odom));
+  sample.covariance(to_wire(start.covariance));
+  expect_encodable(defect_of_sample(sample), "robot session");
+  return to_cdr(sample);
+}
+
+Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) {
+  const auto decoded = from_cdr<wire::RobotSession>(bytes, 2);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
+  const auto& sample = std::get<wire::RobotSession>(decoded);
+  if (const Defect found = defect_of_sample(sample)) return *found;
+  RobotSession session{
+      .robot = sample.robot().to_string(),
+      .session = SessionNumber{sample.session()},
+      .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
+      .localizer = sample.localizer().to_string(),
+      .encoding = sample.encoding() == wire::FULL ? SubmapEncoding::kFull : SubmapEncoding::kDelta,
+      .stereo = {.focal_px = sample.focal_px(),
+                 .center_px = {sample.center_px()[0], sample.center_px()[1]},
+                 .baseline_m = sample.baseline_m(),
+                 .T_body_cam0 = from_wire(sample.T_body_cam0())},
+      .start = std::nullopt};
+  if (sample.has_start()) {
+    session.start = StartPose{.T_map_odom = from_wire(sample.T_map_odom()),
+                              .covariance = from_wire(sample.covariance())};
+  }
+  return session;
+}
+
+}  // namespace fleetloc

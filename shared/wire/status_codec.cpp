@@ -1,0 +1,78 @@
+#include "shared/wire/status_codec.hpp"
+
+#include <idl/status.h>
+
+#include "shared/wire/cdr.hpp"
+#include "shared/wire/fields.hpp"
+#include "shared/wire/quality.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::uint32_t kMostSessions = 1'000'000;
+
+Defect defect_of_sample(const wire::LocalizerStatus& sample) {
+  if (sample.sessions() > kMostSessions) return Malformed::kOutOfRange;
+  return defect(static_cast<double>(sample.load()), 0.0, 1.0);
+}
+
+Defect defect_of_sample(const wire::RobotStatus& sample) {
+  if (const Defect found = defect(sample.quality())) return found;
+  return defect_of_stamp(sample.stamp_ns());
+}
+
+}  // namespace
+
+Bytes encode(const LocalizerStatus& status) {
+  expect_encodable_id(status.localizer);
+  wire::LocalizerStatus sample;
+  sample.localizer(status.localizer);
+  sample.epoch(static_cast<std::uint32_t>(status.epoch));
+  sample.map_hash(status.map_hash);
+  sample.sessions(static_cast<std::uint32_t>(status.sessions));  // a negative one is out of range
+  sample.load(static_cast<float>(status.load));
+  sample.accepting(status.accepting);
+  expect_encodable(defect_of_sample(sample), "localizer status");
+  return to_cdr(sample);
+}
+
+Bytes encode(const RobotStatus& status) {
+  expect_encodable_id(status.robot);
+  wire::RobotStatus sample;
+  sample.robot(status.robot);
+  sample.session(static_cast<std::uint32_t>(status.session));
+  sample.stamp_ns(to_wire(status.stamp));
+  sample.quality(to_wire(status.quality));
+  sample.submaps_sent(status.submaps_sent);
+  sample.answers_applied(status.answers_applied);
+  expect_encodable(defect_of_sample(sample), "robot status");
+  return to_cdr(sample);
+}
+
+Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> bytes) {
+  const auto decoded = from_cdr<wire::LocalizerStatus>(bytes, 1);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
+  const auto& sample = std::get<wire::LocalizerStatus>(decoded);
+  if (const Defect found = defect_of_sample(sample)) return *found;
+  return LocalizerStatus{.localizer = sample.localizer().to_string(),
+                         .epoch = Epoch{sample.epoch()},
+                         .map_hash = sample.map_hash(),
+                         .sessions = static_cast<int>(sample.sessions()),
+                         .load = static_cast<double>(sample.load()),
+                         .accepting = sample.accepting()};
+}
+
+Decoded<RobotStatus> decode_robot_status(std::span<const std::uint8_t> bytes) {
+  const auto decoded = from_cdr<wire::RobotStatus>(bytes, 1);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
+  const auto& sample = std::get<wire::RobotStatus>(decoded);
+  if (const Defect found = defect_of_sample(sample)) return *found;
+  return RobotStatus{.robot = sample.robot().to_string(),
+                     .session = SessionNumber{sample.session()},
+                     .stamp = stamp_from_wire(sample.stamp_ns()),
+                     .quality = from_wire(sample.quality()),
+                     .submaps_sent = sample.submaps_sent(),
+                     .answers_applied = sample.answers_applied()};
+}
+
+}  // namespace fleetloc
