@@ -44,10 +44,10 @@ Vector15d error_of(const Preintegration& preintegration,
 }
 
 // By the first state; `rotation_error` is that of error_of at the same states.
-Matrix15d J_error_first(const Preintegration& preintegration,
-                        const NavState& first,
-                        const NavState& second,
-                        const Eigen::Vector3d& rotation_error) {
+Matrix15d jacobian_by_first(const Preintegration& preintegration,
+                            const NavState& first,
+                            const NavState& second,
+                            const Eigen::Vector3d& rotation_error) {
   const double time = to_seconds(preintegration.duration());
   const Motion motion = motion_between(time, first, second);
   const Eigen::Matrix3d R_body_odom = first.T_odom_body.R.toRotationMatrix().transpose();
@@ -72,9 +72,9 @@ Matrix15d J_error_first(const Preintegration& preintegration,
   return J;
 }
 
-Matrix15d J_error_second(const NavState& first,
-                         const NavState& second,
-                         const Eigen::Vector3d& rotation_error) {
+Matrix15d jacobian_by_second(const NavState& first,
+                             const NavState& second,
+                             const Eigen::Vector3d& rotation_error) {
   const Eigen::Quaterniond R_body_odom = first.T_odom_body.R.conjugate();
   Matrix15d J = Matrix15d::Zero();
   J.block<3, 3>(kRotation, kRotation) = right_jacobian_inverse_so3(rotation_error);
@@ -128,8 +128,8 @@ ImuError imu_error(const Preintegration& preintegration,
   ImuError result;
   result.error = error_of(preintegration, first, second);
   const Eigen::Vector3d rotation_error = result.error.head<3>();
-  result.J_first = J_error_first(preintegration, first, second, rotation_error);
-  result.J_second = J_error_second(first, second, rotation_error);
+  result.J_first = jacobian_by_first(preintegration, first, second, rotation_error);
+  result.J_second = jacobian_by_second(first, second, rotation_error);
   return result;
 }
 

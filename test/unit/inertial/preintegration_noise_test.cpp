@@ -129,7 +129,8 @@ TEST(PreintegrationNoise, WhitenedErrorOfTheTruthHasFifteenDegreesOfFreedom) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     config.seed = seed;
     const SimulatedRun run(config);
-    for (double start = 0.0; start < 20.0; start += 0.5) {
+    for (int half_second = 0; half_second < 40; ++half_second) {
+      const double start = 0.5 * half_second;
       const Timestamp from = at_second(start);
       const Timestamp to = at_second(start + 0.5);
       const NavState first = run.truth(from);
