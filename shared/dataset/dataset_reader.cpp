@@ -1,0 +1,151 @@
+#include "shared/dataset/dataset_reader.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "shared/dataset/image_file.hpp"
+#include "shared/dataset/sensor_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr Duration kImuLead = std::chrono::seconds(1);
+
+Duration from_seconds(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+std::filesystem::path mav0_of(const std::filesystem::path& folder) {
+  if (std::filesystem::is_directory(folder / "mav0")) return folder / "mav0";
+  if (std::filesystem::is_directory(folder / "cam0")) return folder;
+  throw DatasetError(folder.string() + ": not a dataset in the EuRoC layout, there is no mav0");
+}
+
+DelimitedFile open_csv(const std::filesystem::path& file) {
+  try {
+    return {file, ','};
+  } catch (const TextFileError& error) {
+    throw DatasetError(error.what());
+  }
+}
+
+/// @param size_px  that the calibration states
+cv::Mat load(const ImageEntry& entry, const cv::Size& size_px) {
+  cv::Mat image;
+  try {
+    image = read_image(entry.file);
+  } catch (const DatasetError& error) {
+    throw DatasetError(entry.where + ": " + error.what());
+  }
+  if (image.size() != size_px) {
+    throw DatasetError(entry.where + ": " + entry.file.string() + ": has " +
+                       std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                       " pixels instead of the sensor's " + std::to_string(size_px.width) + "x" +
+                       std::to_string(size_px.height));
+  }
+  return image;
+}
+
+cv::Size size_of(const Camera& camera) {
+  return {camera.width_px, camera.height_px};
+}
+
+/// How many regular measurements are missing between two stamps.
+std::uint64_t missing_between(Timestamp before, Timestamp after, Duration interval) {
+  const double intervals = to_seconds(after - before) / to_seconds(interval);
+  return intervals < 1.5 ? 0 : static_cast<std::uint64_t>(std::lround(intervals)) - 1;
+}
+
+}  // namespace
+
+DatasetReader::DatasetReader(const Options& options)
+    : imu_file_(open_csv(mav0_of(options.folder) / "imu0" / "data.csv")) {
+  const auto mav0 = mav0_of(options.folder);
+  read_calibration(mav0);
+  frames_ = pair_images(read_image_list(mav0 / "cam0"), read_image_list(mav0 / "cam1"));
+  select_frames(options);
+  do {
+    read_imu_sample();
+  } while (imu_sample_ && imu_sample_->stamp < frames_.front().stamp - kImuLead);
+  if (!imu_sample_) throw DatasetError(imu_file_.file().string() + ": ends before the first image");
+  faults_["imu_gaps"] = 0;  // only those of the selected part count
+}
+
+void DatasetReader::read_calibration(const std::filesystem::path& mav0) {
+  const CameraFile cam0 = read_camera_file(mav0 / "cam0" / "sensor.yaml");
+  const CameraFile cam1 = read_camera_file(mav0 / "cam1" / "sensor.yaml");
+  const ImuFile imu = read_imu_file(mav0 / "imu0" / "sensor.yaml");
+  const Pose T_body_rig = inverse(imu.T_rig_imu);
+  calibration_ = {.cam0 = cam0.camera,
+                  .cam1 = cam1.camera,
+                  .T_body_cam0 = T_body_rig * cam0.T_rig_cam,
+                  .T_body_cam1 = T_body_rig * cam1.T_rig_cam};
+  imu_noise_ = imu.noise;
+  frame_interval_ = from_seconds(1.0 / cam0.rate_hz);
+  imu_interval_ = from_seconds(1.0 / imu.rate_hz);
+}
+
+void DatasetReader::select_frames(const Options& options) {
+  const Timestamp start = frames_.front().stamp + from_seconds(options.start_s);
+  std::erase_if(frames_, [&](const StereoEntry& frame) {
+    const bool late = options.duration_s && frame.stamp > start + from_seconds(*options.duration_s);
+    return frame.stamp < start || late;
+  });
+  if (frames_.empty()) {
+    throw DatasetError(options.folder.string() + ": no image in the selected part");
+  }
+}
+
+void DatasetReader::read_imu_sample() {
+  const std::optional<ImuSample> before = std::exchange(imu_sample_, std::nullopt);
+  try {
+    if (!imu_file_.next()) return;
+    imu_file_.expect_columns(7);
+    const auto vector_at = [this](std::size_t column) {
+      return Eigen::Vector3d(
+          imu_file_.number(column), imu_file_.number(column + 1), imu_file_.number(column + 2));
+    };
+    imu_sample_ = {.stamp = imu_file_.nanoseconds(0),
+                   .angular_velocity = vector_at(1),
+                   .specific_force = vector_at(4)};
+    if (before && imu_sample_->stamp <= before->stamp) {
+      imu_file_.fail("the stamp is not later than the one before");
+    }
+  } catch (const TextFileError& error) {
+    throw DatasetError(error.what());
+  }
+  if (before && missing_between(before->stamp, imu_sample_->stamp, imu_interval_) > 0) {
+    ++faults_["imu_gaps"];
+  }
+}
+
+StereoFrame DatasetReader::load_next_frame() {
+  const StereoEntry& entry = frames_[next_frame_];
+  StereoFrame frame;
+  frame.stamp = entry.stamp;
+  if (entry.left) frame.left = load(*entry.left, size_of(calibration_.cam0));
+  if (entry.right) frame.right = load(*entry.right, size_of(calibration_.cam1));
+  if (!entry.left || !entry.right) ++faults_["unpaired_images"];
+  if (next_frame_ > 0) {
+    const Timestamp before = frames_[next_frame_ - 1].stamp;
+    faults_["dropped_frames"] += missing_between(before, entry.stamp, frame_interval_);
+  }
+  ++next_frame_;
+  return frame;
+}
+
+std::optional<DatasetReader::Item> DatasetReader::next() {
+  if (finished_) return std::nullopt;
+  const bool frames_left = next_frame_ < frames_.size();
+  if (frames_left && (!imu_sample_ || frames_[next_frame_].stamp < imu_sample_->stamp)) {
+    return load_next_frame();
+  }
+  if (!frames_left) finished_ = !imu_sample_ || imu_sample_->stamp > frames_.back().stamp;
+  if (!imu_sample_) return std::nullopt;
+  const ImuSample sample = *imu_sample_;
+  if (!finished_) read_imu_sample();
+  if (!imu_sample_ && next_frame_ < frames_.size()) ++faults_["imu_gaps"];  // its end is missing
+  return sample;
+}
+
+}  // namespace fleetloc

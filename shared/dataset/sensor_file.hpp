@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "shared/model/camera.hpp"
+#include "shared/model/inertial.hpp"
+
+namespace fleetloc {
+
+/// sensor.yaml of a camera. The frame that poses are stated in is called `rig` here: EuRoC's body.
+struct CameraFile {
+  Camera camera;
+  Pose T_rig_cam;
+  double rate_hz = 0.0;
+};
+
+/// sensor.yaml of an IMU.
+struct ImuFile {
+  ImuNoise noise;
+  Pose T_rig_imu;
+  double rate_hz = 0.0;
+};
+
+/// With or without the line `%YAML:1.0` that OpenCV writes and YAML does not know. Throw
+/// DatasetError.
+CameraFile read_camera_file(const std::filesystem::path& file);
+ImuFile read_imu_file(const std::filesystem::path& file);
+
+/// The same as text, with numbers that are read back exactly.
+std::string camera_file_text(const CameraFile& camera);
+std::string imu_file_text(const ImuFile& imu);
+
+}  // namespace fleetloc
