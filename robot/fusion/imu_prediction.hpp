@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+
+#include "robot/inertial/preintegration.hpp"
+#include "shared/core/time.hpp"
+#include "shared/model/inertial.hpp"
+
+namespace fleetloc {
+
+/// Inertial navigation from one state of the odometry onwards. Errors are those of NavState's
+/// tangent; the error at `stamp` is transition * (error at the start) + noise.
+struct ImuPrediction {
+  Timestamp stamp;
+  NavState state;
+  Matrix15d start_covariance = Matrix15d::Zero();
+  Matrix15d transition = Matrix15d::Identity();  ///< of the error since the start
+  Matrix15d noise = Matrix15d::Zero();           ///< covariance added by the IMU since the start
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of body, in body [rad/s]
+};
+
+/// One step, from the sample at `prediction.stamp` to the next one. The interval's mean is applied
+/// (midpoint rule), as in Preintegration.
+void advance(ImuPrediction& prediction,
+             const ImuSample& from,
+             const ImuSample& to,
+             const ImuNoise& noise);
+
+/// All steps through `samples`, the first of which is at the stamp of `start`. At least one.
+ImuPrediction predict(const OdometryEstimate& start,
+                      std::span<const ImuSample> samples,
+                      const ImuNoise& noise);
+
+/// How the error of a state moves through a preintegrated interval, to first order.
+Matrix15d transition_of(const Preintegration& step, const NavState& from, const NavState& to);
+
+/// Covariance (right perturbation) of the predicted T_odom_body.
+Matrix6d pose_covariance(const ImuPrediction& prediction);
+
+/// The part of it that arose since the start: as if the pose at the start were known.
+Matrix6d pose_covariance_since_start(const ImuPrediction& prediction);
+
+}  // namespace fleetloc

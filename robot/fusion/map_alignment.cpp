@@ -1,0 +1,159 @@
+#include "robot/fusion/map_alignment.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180.0;
+
+// x and y of gravity's upward direction as the map sees it, in odom: zero if the map is not tilted.
+struct Tilt {
+  Eigen::Vector2d value;
+  Eigen::Matrix<double, 2, 3> J_rotation;  // by the right perturbation of R_map_odom
+};
+
+Tilt tilt_of(const Eigen::Quaterniond& R_map_odom) {
+  const Eigen::Vector3d up_odom = R_map_odom.conjugate() * Eigen::Vector3d::UnitZ();
+  return {up_odom.head<2>(), hat(up_odom).topRows<2>()};
+}
+
+}  // namespace
+
+std::string_view name(AnswerOutcome outcome) {
+  switch (outcome) {
+    case AnswerOutcome::kApplied:
+      return "applied";
+    case AnswerOutcome::kRestarted:
+      return "restarted";
+    case AnswerOutcome::kGated:
+      return "gated";
+    case AnswerOutcome::kImplausibleTilt:
+      return "implausible_tilt";
+    case AnswerOutcome::kWrongMap:
+      return "wrong_map";
+  }
+  return "unknown";
+}
+
+MapAlignment::MapAlignment(const Config& config) : config_(config), rivals_(config.rivals) {}
+
+void MapAlignment::drift(const Matrix6d& covariance) {
+  if (last_applied_) {
+    P_.topLeftCorner<6, 6>() += covariance;
+    rivals_.drift(covariance);
+  }
+}
+
+std::optional<StartPose> MapAlignment::pose() const {
+  if (!last_applied_) {
+    return std::nullopt;
+  }
+  return StartPose{T_map_odom_, P_.topLeftCorner<6, 6>()};
+}
+
+// Nothing but the answer and gravity is used: d = -Ad(T_odom_body) * (J_error * u + white).
+bool MapAlignment::initialize(const AnswerMeasurement& answer) {
+  const Pose T_map_odom = alignment_from(answer);
+  const Matrix6d covariance = alignment_covariance(answer);
+  const Tilt tilt = tilt_of(T_map_odom.R);
+  const Eigen::Matrix2d R = config_.map_tilt * config_.map_tilt * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d S =
+      tilt.J_rotation * covariance.topLeftCorner<3, 3>() * tilt.J_rotation.transpose() + R;
+  if (tilt.value.dot(S.llt().solve(tilt.value)) > config_.tilt_gate_chi_square) {
+    return false;
+  }
+  T_map_odom_ = T_map_odom;
+  error_.setZero();
+  P_.topLeftCorner<6, 6>() = covariance;
+  P_.topRightCorner<6, 6>() = -adjoint(answer.T_odom_body) * answer.J_error;
+  P_.bottomLeftCorner<6, 6>() = P_.topRightCorner<6, 6>().transpose();
+  P_.bottomRightCorner<6, 6>().setIdentity();
+
+  Eigen::Matrix<double, 2, 12> H = Eigen::Matrix<double, 2, 12>::Zero();
+  H.leftCols<3>() = tilt.J_rotation;
+  update<2>(-tilt.value, H, R);
+  map_hash_ = answer.map_hash;
+  error_stamp_ = answer.stamp;
+  last_applied_ = answer.stamp;
+  rivals_.clear();
+  return true;
+}
+
+void MapAlignment::age_error(Timestamp stamp) {
+  const double dt = to_seconds(stamp - error_stamp_);
+  assert(dt >= 0.0);
+  const double rho = std::exp(-dt / config_.correlation_time_s);
+  error_ *= rho;
+  P_.rightCols<6>() *= rho;
+  P_.bottomRows<6>() *= rho;
+  P_.diagonal().tail<6>().array() += 1.0 - rho * rho;
+  error_stamp_ = stamp;
+}
+
+// Joseph's form. The change of the tangent space by the correction is left out (second order).
+template <int N>
+void MapAlignment::update(const Eigen::Matrix<double, N, 1>& residual,
+                          const Eigen::Matrix<double, N, 12>& H,
+                          const Eigen::Matrix<double, N, N>& R) {
+  const Eigen::Matrix<double, N, 12> HP = H * P_;
+  const Eigen::Matrix<double, N, N> S = HP * H.transpose() + R;
+  const Eigen::Matrix<double, 12, N> K = S.llt().solve(HP).transpose();
+  const Eigen::Matrix<double, 12, 1> correction = K * residual;
+  const Matrix12d A = Matrix12d::Identity() - K * H;
+  P_ = A * P_ * A.transpose() + K * R * K.transpose();
+  T_map_odom_ = retract(T_map_odom_, correction.template head<6>());
+  error_ += correction.template tail<6>();
+}
+
+AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
+  if (!last_applied_) {
+    return initialize(answer) ? AnswerOutcome::kApplied : AnswerOutcome::kImplausibleTilt;
+  }
+  if (answer.map_hash != map_hash_) {
+    return AnswerOutcome::kWrongMap;
+  }
+  age_error(answer.stamp);
+  Eigen::Matrix<double, 6, 12> H;
+  H << answer.J_alignment, answer.J_error;
+  const Vector6d residual = local_coordinates(T_map_odom_ * answer.T_odom_body, answer.T_map_body) -
+                            answer.J_error * error_;
+  const Matrix6d S = H * P_ * H.transpose() + answer.white;
+  if (chi_square(residual, S) > config_.gate_chi_square) {
+    if (!rivals_.add(answer)) {
+      return AnswerOutcome::kGated;
+    }
+    return initialize(answer) ? AnswerOutcome::kRestarted : AnswerOutcome::kImplausibleTilt;
+  }
+  update<6>(residual, H, answer.white);
+  last_applied_ = answer.stamp;
+  rivals_.clear();
+  return AnswerOutcome::kApplied;
+}
+
+MapAlignment::Config read_map_alignment_config(ConfigReader section) {
+  MapAlignment::Config config;
+  config.correlation_time_s = section.positive("correlation_time_s");
+  config.noise.white_share = section.positive("white_share");
+  if (config.noise.white_share > 1.0) {
+    throw ConfigError("fusion.answers.white_share must be at most 1");
+  }
+  config.noise.clone_rotation = kRadians * section.positive("clone_rotation_deg");
+  config.noise.clone_translation = section.positive("clone_translation_m");
+  config.gate_chi_square = section.positive("gate_chi_square");
+  config.map_tilt = kRadians * section.positive("map_tilt_deg");
+  config.tilt_gate_chi_square = section.positive("tilt_gate_chi_square");
+  config.rivals.gate_chi_square = config.gate_chi_square;
+  config.rivals.window_s = section.positive("window_s");
+  config.rivals.lost_after = section.integer("lost_after", 1, 1000);
+  config.rivals.restart_after = section.integer("restart_after", 1, 1000);
+  return config;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "robot/fusion/answer_measurement.hpp"
+#include "robot/fusion/rival_alignments.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/model/session.hpp"
+
+namespace fleetloc {
+
+/// What became of an answer in the filter.
+enum class AnswerOutcome {
+  kApplied,
+  kRestarted,        ///< applied; contradicted what was believed before and replaced it
+  kGated,            ///< contradicts what is believed (chi-square)
+  kImplausibleTilt,  ///< would start the filter with gravity too far from the map's -z
+  kWrongMap,         ///< refers to another map than the first applied answer
+};
+
+constexpr bool is_applied(AnswerOutcome outcome) {
+  return outcome == AnswerOutcome::kApplied || outcome == AnswerOutcome::kRestarted;
+}
+
+/// As it stands in files, e.g. "implausible_tilt".
+std::string_view name(AnswerOutcome outcome);
+
+/// Kalman filter over T_map_odom and the slowly varying error of the answers. State:
+/// [d: right perturbation of T_map_odom (6), u: normalized error of the answers (6)]; see
+/// AnswerMeasurement. Feed drift and answers in order of their stamps. A value: copy it to replay.
+class MapAlignment {
+ public:
+  struct Config {
+    double correlation_time_s = 0.0;    ///< of u
+    double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
+    double map_tilt = 0.0;              ///< sigma of roll and pitch of T_map_odom [rad]
+    double tilt_gate_chi_square = 0.0;  ///< 2 degrees of freedom
+    AnswerNoise noise;
+    RivalAlignments::Config rivals;
+  };
+  explicit MapAlignment(const Config& config);
+
+  /// T_map_odom becomes more uncertain (right perturbation), the mean stays.
+  void drift(const Matrix6d& covariance);
+
+  AnswerOutcome apply(const AnswerMeasurement& answer);
+
+  /// T_map_odom with covariance, from the first applied answer on.
+  [[nodiscard]] std::optional<StartPose> pose() const;
+  [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
+  /// Rejected answers agree with each other on something else.
+  [[nodiscard]] bool contradicted() const { return rivals_.contradict(); }
+
+ private:
+  using Matrix12d = Eigen::Matrix<double, 12, 12>;
+
+  bool initialize(const AnswerMeasurement& answer);
+  void age_error(Timestamp stamp);
+  template <int N>
+  void update(const Eigen::Matrix<double, N, 1>& residual,
+              const Eigen::Matrix<double, N, 12>& H,
+              const Eigen::Matrix<double, N, N>& R);
+
+  Config config_;
+  MapHash map_hash_{};
+  std::optional<Timestamp> last_applied_;
+  Timestamp error_stamp_;  ///< of u
+  Pose T_map_odom_;
+  Vector6d error_ = Vector6d::Zero();  ///< u
+  Matrix12d P_ = Matrix12d::Zero();
+  RivalAlignments rivals_;
+};
+
+MapAlignment::Config read_map_alignment_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,233 @@
+// Answers that come late, in any order, repeated or wrong: the result is that of a batch.
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "robot/fusion/pose_fusion.hpp"
+#include "test/unit/fusion/fed_fusion.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kEnd = 28.0;  // within the buffer
+
+Vector6d random_vector(std::mt19937& generator, double sigma) {
+  std::normal_distribution<double> normal(0.0, sigma);
+  return Vector6d::NullaryExpr([&] { return normal(generator); });
+}
+
+Matrix6d body_to_map_axes(const Pose& T_map_body) {
+  return adjoint({T_map_body.R, Eigen::Vector3d::Zero()});
+}
+
+struct Arrival {
+  double t;  ///< [s]
+  Answer answer;
+};
+
+// Answers for a frame every 0.7 to 2 s, up to 20 s late.
+std::vector<Arrival> some_arrivals(std::mt19937& generator, double error_sigma) {
+  std::vector<Arrival> arrivals;
+  std::uniform_int_distribution<int> interval(7, 20);
+  std::uniform_real_distribution<double> delay(0.2, 20.0);
+  const CircularDrive drive;
+  for (int tenths = 10; tenths < 250; tenths += interval(generator)) {
+    const double t = 0.1 * tenths;
+    const Pose T_map_body =
+        retract(true_T_map_odom() * drive.pose(t), random_vector(generator, error_sigma));
+    arrivals.push_back({std::min(kEnd, t + delay(generator)), answer(t, T_map_body)});
+  }
+  return arrivals;
+}
+
+StartPose fuse(std::vector<Arrival> arrivals, const PoseFusion::Config& config) {
+  std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    return a.t < b.t;
+  });
+  FedFusion fed(config);
+  for (const Arrival& arrival : arrivals) {
+    fed.drive_to(arrival.t);
+    fed.fusion.add_answer(arrival.answer);
+  }
+  fed.drive_to(kEnd + 0.1);
+  return *fed.fusion.start_pose();
+}
+
+// The same model as one linear least-squares problem about the true T_map_odom: unknowns d_k and
+// u_k of every answer; drift and memory between them, tilt at the first.
+class Batch {
+ public:
+  Batch(std::vector<Arrival> arrivals, const PoseFusion::Config& config) : config_(config) {
+    std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+      return a.answer.stamp < b.answer.stamp;
+    });
+    const auto n = static_cast<Eigen::Index>(arrivals.size());
+    information_ = Eigen::MatrixXd::Zero(12 * n, 12 * n);
+    vector_ = Eigen::VectorXd::Zero(12 * n);
+    add_tilt();
+    add(Matrix6d::Identity(), {{6, Matrix6d::Identity()}}, Vector6d::Zero());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Answer& now = arrivals[static_cast<std::size_t>(k)].answer;
+      if (k > 0) {
+        add_evolution(arrivals[static_cast<std::size_t>(k - 1)].answer.stamp, now.stamp, k);
+      }
+      add_answer(now, k);
+    }
+    const Eigen::MatrixXd covariance = information_.inverse();
+    d_last_ = (covariance * vector_).segment<6>(12 * (n - 1));
+    covariance_last_ = covariance.block<6, 6>(12 * (n - 1), 12 * (n - 1));
+    covariance_last_ += drift(arrivals.back().answer.stamp, at(kEnd));
+  }
+  [[nodiscard]] const Vector6d& d_last() const { return d_last_; }
+  [[nodiscard]] const Matrix6d& covariance_last() const { return covariance_last_; }
+
+ private:
+  struct Block {
+    Eigen::Index column;
+    Matrix6d J;
+  };
+
+  // sum of J x - residual, with that covariance
+  void add(const Matrix6d& covariance, const std::vector<Block>& blocks, const Vector6d& residual) {
+    const Matrix6d weight = covariance.inverse();
+    for (const Block& a : blocks) {
+      vector_.segment<6>(a.column) += a.J.transpose() * weight * residual;
+      for (const Block& b : blocks) {
+        information_.block<6, 6>(a.column, b.column) += a.J.transpose() * weight * b.J;
+      }
+    }
+  }
+  void add_tilt() {
+    const Eigen::Vector3d up = true_T_map_odom().R.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Matrix<double, 2, 3> J = hat(up).topRows<2>();
+    const double weight = 1.0 / (config_.answers.map_tilt * config_.answers.map_tilt);
+    information_.topLeftCorner<3, 3>() += weight * J.transpose() * J;
+    vector_.head<3>() -= weight * J.transpose() * up.head<2>();
+  }
+  [[nodiscard]] Matrix6d drift(Timestamp from, Timestamp to) const {
+    const CircularDrive drive;
+    OdometryDrift model(config_.drift);
+    Matrix6d sum = Matrix6d::Zero();
+    for (int i = 0; at(0.1 * i) <= to; ++i) {
+      const Matrix6d Q = model.step(odometry(0.1 * i, drive.state(0.1 * i)));
+      sum += at(0.1 * i) > from ? Q : Matrix6d::Zero().eval();
+    }
+    return sum;
+  }
+  void add_evolution(Timestamp from, Timestamp to, Eigen::Index k) {
+    const Matrix6d I = Matrix6d::Identity();
+    add(drift(from, to), {{12 * (k - 1), -I}, {12 * k, I}}, Vector6d::Zero());
+    const double rho = std::exp(-to_seconds(to - from) / config_.answers.correlation_time_s);
+    add((1.0 - rho * rho) * I, {{12 * (k - 1) + 6, -rho * I}, {12 * k + 6, I}}, Vector6d::Zero());
+  }
+  void add_answer(const Answer& now, Eigen::Index k) {
+    const AnswerNoise& noise = config_.answers.noise;
+    const Pose T_odom_body = CircularDrive{}.pose(to_seconds(now.stamp - Timestamp{}));
+    const Matrix6d A = body_to_map_axes(now.T_map_body);
+    const Matrix6d root_map = (A * now.covariance * A.transpose()).sqrt();
+    const Matrix6d J_error = std::sqrt(1.0 - noise.white_share) * A.transpose() * root_map;
+    add(noise.white_share * now.covariance + clone_covariance(noise),
+        {{12 * k, adjoint(inverse(T_odom_body))}, {12 * k + 6, J_error}},
+        local_coordinates(true_T_map_odom() * T_odom_body, now.T_map_body));
+  }
+
+  PoseFusion::Config config_;
+  Eigen::MatrixXd information_;
+  Eigen::VectorXd vector_;
+  Vector6d d_last_;
+  Matrix6d covariance_last_;
+};
+
+PoseFusion::Config ungated_config() {
+  PoseFusion::Config config = fusion_config();
+  config.answers.gate_chi_square = 1e6;
+  config.answers.tilt_gate_chi_square = 1e6;
+  return config;
+}
+
+TEST(LateAnswers, GiveTheBatchSolution) {
+  // Small errors keep the problem linear, so that filter and batch agree to second order.
+  constexpr double kErrorSigma = 1e-5;
+  PoseFusion::Config config = ungated_config();
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 generator(seed);
+    const std::vector<Arrival> arrivals = some_arrivals(generator, kErrorSigma);
+    const StartPose result = fuse(arrivals, config);
+    const Batch batch(arrivals, config);
+    const Vector6d d = local_coordinates(true_T_map_odom(), result.T_map_odom);
+    EXPECT_LT((d - batch.d_last()).norm(), 1e-2 * batch.d_last().norm())
+        << d.transpose() << "\n"
+        << batch.d_last().transpose();
+    EXPECT_LT((result.covariance - batch.covariance_last()).norm(),
+              1e-3 * batch.covariance_last().norm());
+  }
+}
+
+TEST(LateAnswers, GiveTheSameInAnyOrderWithOutliersAndRepetitions) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 generator(seed);
+    std::vector<Arrival> arrivals = some_arrivals(generator, 0.01);
+    const std::size_t count = arrivals.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      Arrival changed = arrivals[i];
+      if (i % 3 == 1) {
+        changed.answer.revision = Revision{2};  // supersedes
+        changed.answer.T_map_body.p.x() += i % 2 == 0 ? 3.0 : 0.01;
+      }
+      arrivals.push_back(changed);
+    }
+    std::vector<Arrival> in_order = arrivals;
+    for (Arrival& arrival : in_order) {
+      arrival.t = to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2;
+    }
+    const StartPose expected = fuse(in_order, fusion_config());
+    for (int permutation = 0; permutation < 3; ++permutation) {
+      std::shuffle(arrivals.begin(), arrivals.end(), generator);
+      for (Arrival& arrival : arrivals) {
+        arrival.t = std::uniform_real_distribution<double>(
+            to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2, kEnd)(generator);
+      }
+      const StartPose result = fuse(arrivals, fusion_config());
+      EXPECT_LT(local_coordinates(expected.T_map_odom, result.T_map_odom).norm(), 1e-9);
+      EXPECT_LT((expected.covariance - result.covariance).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(LateAnswers, TurnVerdictsThatStoodOnLess) {
+  // The first answer is wrong, so the good one after it is refused, until better ones come.
+  PoseFusion::Config config = fusion_config();
+  FedFusion fed(config);
+  fed.drive_to(10.0);
+  Pose wrong = true_T_map_odom();
+  wrong.p.x() += 2.0;
+  EXPECT_TRUE(fed.answer_at(5.0, wrong).applied);
+  EXPECT_EQ(fed.answer_at(8.0).reason, "gated");
+  const PoseFusion::Verdict verdict = fed.answer_at(4.0);
+  EXPECT_TRUE(verdict.applied);
+  EXPECT_EQ(verdict.revised, 2);  // the wrong one is gated now, the good one applied
+  EXPECT_LT((fed.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm(), 0.05);
+}
+
+TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {
+  PoseFusion::Config short_buffer = fusion_config();
+  short_buffer.buffer_s = 10.0;
+  FedFusion a(short_buffer);
+  FedFusion b;
+  for (int i = 1; i <= 25; ++i) {
+    for (FedFusion* fed : {&a, &b}) {
+      fed->drive_to(1.0 * i + 1.0);
+      Pose T_map_odom = true_T_map_odom();
+      T_map_odom.p.y() += 0.01 * i;
+      EXPECT_TRUE(fed->answer_at(1.0 * i, T_map_odom).applied);
+    }
+  }
+  EXPECT_EQ(a.fusion.start_pose()->covariance, b.fusion.start_pose()->covariance);
+  EXPECT_EQ(a.fusion.start_pose()->T_map_odom.p, b.fusion.start_pose()->T_map_odom.p);
+}
+
+}  // namespace
+}  // namespace fleetloc

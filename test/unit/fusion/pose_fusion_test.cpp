@@ -1,0 +1,257 @@
+#include "robot/fusion/pose_fusion.hpp"
+
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/unit/fusion/fed_fusion.hpp"
+
+namespace fleetloc {
+namespace {
+
+bool identical(const Pose& a, const Pose& b) {
+  return a.R.coeffs() == b.R.coeffs() && a.p == b.p;
+}
+
+double distance(const Pose& a, const Pose& b) {
+  return local_coordinates(a, b).norm();
+}
+
+Pose moved(const Pose& T, double x) {
+  return {T.R, T.p + Eigen::Vector3d(x, 0.0, 0.0)};
+}
+
+TEST(PoseFusion, PredictsFromALateStateToTheNewestSample) {
+  FedFusion fed;
+  fed.drive_to(2.03);
+  EXPECT_EQ(fed.output.stamp, at(2.03));
+  EXPECT_LT(distance(fed.output.T_odom_body, fed.drive.pose(2.03)), 1e-6);
+  EXPECT_LT((fed.output.v_odom - fed.drive.state(2.03).v_odom).norm(), 1e-5);
+}
+
+TEST(PoseFusion, GivesTheSameHoweverLateTheStateCame) {
+  const CircularDrive drive;
+  PoseFusion fresh(euroc_imu_noise(), fusion_config());
+  PoseFusion late(euroc_imu_noise(), fusion_config());
+  const OdometryEstimate state = odometry(0.0537, drive.state(0.0537));  // between two samples
+  PoseEstimate a;
+  PoseEstimate b;
+  for (int i = 0; i <= 100; ++i) {
+    if (i == 5) {
+      fresh.add_odometry(state);  // ahead of the IMU
+    }
+    a = fresh.add_imu(drive.imu(0.01 * i));
+    if (i == 100) {
+      late.add_odometry(state);
+    }
+    b = late.add_imu(drive.imu(0.01 * i));
+  }
+  b = *late.estimate_at(at(1.0));
+  EXPECT_EQ(a.stamp, b.stamp);
+  EXPECT_TRUE(identical(a.T_odom_body, b.T_odom_body));
+  EXPECT_EQ(a.covariance_odom, b.covariance_odom);
+  EXPECT_LT(distance(a.T_odom_body, drive.pose(1.0)), 1e-5);
+}
+
+TEST(PoseFusion, AnswersDoNotTouchTheOdomPose) {
+  FedFusion with;
+  FedFusion without;
+  for (int i = 1; i <= 40; ++i) {
+    with.drive_to(0.5 * i);
+    without.drive_to(0.5 * i);
+    if (i > 4) {
+      with.answer_at(0.5 * i - 1.0, moved(true_T_map_odom(), 0.01 * i));
+    }
+    EXPECT_TRUE(identical(with.output.T_odom_body, without.output.T_odom_body));
+    EXPECT_EQ(with.output.covariance_odom, without.output.covariance_odom);
+    EXPECT_EQ(with.output.v_odom, without.output.v_odom);
+  }
+}
+
+TEST(PoseFusion, FirstAnswerPlacesTheRobotInTheMap) {
+  FedFusion fed;
+  fed.drive_to(3.0);
+  EXPECT_FALSE(fed.output.T_map_body);
+  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_EQ(fed.answer_at(1.0).reason, "applied");
+  fed.drive_to(3.01);
+  ASSERT_TRUE(fed.output.T_map_body);
+  EXPECT_LT(distance(*fed.output.T_map_body, true_T_map_odom() * fed.drive.pose(3.01)), 2e-3);
+  EXPECT_EQ(fed.output.since_last_answer, at(3.01) - at(1.0));
+}
+
+TEST(PoseFusion, StartPoseIsTheAlignmentWithItsCovariance) {
+  FedFusion fed;
+  fed.drive_to(3.0);
+  fed.answer_at(0.0);  // odom and body coincide there
+  const auto start = fed.fusion.start_pose();
+  ASSERT_TRUE(start);
+  EXPECT_LT(distance(start->T_map_odom, true_T_map_odom()), 1e-3);
+  const Matrix6d drift = start->covariance - answer_covariance();
+  EXPECT_GT(drift(5, 5), 2e-4);  // 3 m of travel
+  EXPECT_LT(start->covariance(5, 5), answer_covariance()(5, 5) + 1e-3);
+}
+
+TEST(PoseFusion, MapCovarianceGrowsWithTheDistanceSinceTheAnswer) {
+  FedFusion fed;
+  fed.drive_to(2.0);
+  fed.answer_at(1.0);
+  fed.drive_to(2.5);
+  const double soon = fed.output.covariance_map.bottomRightCorner<3, 3>().trace();
+  fed.drive_to(40.0);
+  const double later = fed.output.covariance_map.bottomRightCorner<3, 3>().trace();
+  EXPECT_GT(later, soon + 3 * 1e-4 * 37.0);
+}
+
+TEST(PoseFusion, QualityFollowsTheAgeOfTheLastAnswer) {
+  FedFusion fed;
+  EXPECT_EQ(fed.output.quality, Quality::kInitializing);
+  fed.drive_to(0.04);
+  EXPECT_EQ(fed.output.quality, Quality::kInitializing);
+  fed.drive_to(1.0);
+  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  fed.answer_at(0.5);
+  fed.drive_to(5.49);
+  EXPECT_EQ(fed.output.quality, Quality::kLocalized);
+  fed.drive_to(5.5);
+  EXPECT_EQ(fed.output.quality, Quality::kDeadReckoning);
+  EXPECT_EQ(fed.output.since_last_answer, at(5.0) - at(0.0));
+  fed.answer_at(5.0);
+  fed.drive_to(6.0);
+  EXPECT_EQ(fed.output.quality, Quality::kLocalized);
+}
+
+TEST(PoseFusion, IsLostWhenTheOdometryFallsSilent) {
+  FedFusion fed;
+  fed.drive_to(2.0);
+  fed.answer_at(1.5);
+  fed.drive_to(2.5, /*with_odometry=*/false);
+  EXPECT_EQ(fed.output.quality, Quality::kLocalized);
+  fed.drive_to(3.0, /*with_odometry=*/false);
+  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  EXPECT_LT(distance(fed.output.T_odom_body, fed.drive.pose(3.0)), 1e-4);
+}
+
+TEST(PoseFusion, NamesEveryRefusal) {
+  FedFusion fed;
+  EXPECT_EQ(fed.answer_at(0.0).reason, "unknown_stamp");
+  fed.drive_to(40.0);
+  EXPECT_EQ(fed.answer_at(20.03).reason, "unknown_stamp");
+  EXPECT_EQ(fed.answer_at(41.0).reason, "unknown_stamp");
+  EXPECT_EQ(fed.answer_at(9.8).reason, "too_old");
+  EXPECT_EQ(fed.answer_at(20.0).reason, "applied");
+  EXPECT_EQ(fed.answer_at(20.0).reason, "duplicate");
+  Answer bad = answer(21.0, true_T_map_odom() * fed.drive.pose(21.0));
+  const auto verdict_on = [&](auto change) {
+    Answer changed = bad;
+    change(changed);
+    return fed.fusion.add_answer(changed);
+  };
+  EXPECT_EQ(verdict_on([](Answer& a) { a.status = LocalizationStatus::kPoorFit; }).reason,
+            "not_localized");
+  EXPECT_EQ(verdict_on([](Answer& a) { a.map_hash[3] = 1; }).reason, "wrong_map");
+  bad.stamp = at(22.0);
+  bad.T_map_body = true_T_map_odom() * fed.drive.pose(22.0);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(verdict_on([](Answer& a) { a.T_map_body.p.x() = kNan; }).reason, "not_finite");
+  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 0) = kNan; }).reason, "not_finite");
+  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 0) = -1.0; }).reason, "bad_covariance");
+  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 5) = 1e-6; }).reason, "bad_covariance");
+  EXPECT_EQ(verdict_on([](Answer& a) { a.T_map_body.p.x() += 2.0; }).reason, "gated");
+}
+
+TEST(PoseFusion, RefusesAnswersThatWouldTiltTheMap) {
+  FedFusion fed;
+  fed.drive_to(2.0);
+  const Pose tilted{exp_so3({0.1, 0.0, 0.5}), Eigen::Vector3d::Zero()};
+  EXPECT_EQ(fed.answer_at(1.0, tilted).reason, "implausible_tilt");
+  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_TRUE(fed.answer_at(1.5).applied);
+}
+
+TEST(PoseFusion, ANewerRevisionReplacesTheAnswer) {
+  FedFusion fed;
+  FedFusion only_newer;
+  fed.drive_to(3.0);
+  only_newer.drive_to(3.0);
+  Answer older = answer(2.0, moved(true_T_map_odom(), 0.1) * fed.drive.pose(2.0));
+  Answer newer = answer(2.0, true_T_map_odom() * fed.drive.pose(2.0));
+  newer.revision = Revision{1};
+  EXPECT_TRUE(fed.fusion.add_answer(older).applied);
+  EXPECT_TRUE(fed.fusion.add_answer(newer).applied);
+  EXPECT_EQ(fed.fusion.add_answer(older).reason, "older_than_applied");
+  only_newer.fusion.add_answer(newer);
+  EXPECT_TRUE(
+      identical(fed.fusion.start_pose()->T_map_odom, only_newer.fusion.start_pose()->T_map_odom));
+  EXPECT_EQ(fed.fusion.start_pose()->covariance, only_newer.fusion.start_pose()->covariance);
+}
+
+TEST(PoseFusion, ResetForgetsTheOldSession) {
+  FedFusion fed;
+  fed.drive_to(3.0);
+  fed.answer_at(2.0);
+  fed.fusion.reset(SessionNumber{1});
+  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_FALSE(fed.fusion.estimate_at(at(2.5)));
+  EXPECT_EQ(fed.answer_at(2.5).reason, "wrong_session");
+  fed.drive_to(3.01, /*with_odometry=*/false);
+  EXPECT_EQ(fed.output.quality, Quality::kInitializing);
+  fed.drive_to(4.0);
+  Answer current = answer(3.5, true_T_map_odom() * fed.drive.pose(3.5));
+  current.session = SessionNumber{1};
+  EXPECT_TRUE(fed.fusion.add_answer(current).applied);
+}
+
+TEST(PoseFusion, SurvivesDoubledAndDisorderedSamples) {
+  FedFusion clean;
+  FedFusion disturbed;
+  for (int i = 1; i <= 20; ++i) {
+    clean.drive_to(0.1 * i);
+    disturbed.drive_to(0.1 * i);
+    const PoseEstimate doubled = disturbed.fusion.add_imu(disturbed.drive.imu(0.1 * i));
+    const PoseEstimate older = disturbed.fusion.add_imu(disturbed.drive.imu(0.1 * i - 0.025));
+    ImuSample broken = disturbed.drive.imu(0.1 * i + 0.001);
+    broken.specific_force.x() = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(disturbed.fusion.add_imu(broken).stamp, clean.output.stamp);
+    EXPECT_EQ(doubled.stamp, clean.output.stamp);
+    EXPECT_TRUE(identical(older.T_odom_body, clean.output.T_odom_body));
+  }
+  disturbed.drive_to(3.0);
+  clean.drive_to(3.0);
+  EXPECT_TRUE(identical(disturbed.output.T_odom_body, clean.output.T_odom_body));
+}
+
+TEST(PoseFusion, RefusesOdometryThatItCannotUse) {
+  FedFusion fed;
+  fed.drive_to(40.0);
+  const auto verdict_at = [&](double t) {
+    return fed.fusion.add_odometry(odometry(t, fed.drive.state(t))).reason;
+  };
+  EXPECT_EQ(verdict_at(39.9), "older_than_applied");
+  fed.fusion.reset(SessionNumber{1});
+  EXPECT_EQ(verdict_at(5.0), "before_imu");
+  OdometryEstimate broken = odometry(39.9, fed.drive.state(39.9));
+  broken.state.v_odom.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(fed.fusion.add_odometry(broken).reason, "not_finite");
+  EXPECT_EQ(verdict_at(39.9), "applied");
+}
+
+TEST(PoseFusion, EstimatesAtTheTimeOfAFrame) {
+  FedFusion fed;
+  fed.drive_to(2.0);
+  fed.answer_at(1.0);
+  for (const double t : {0.0, 0.7, 1.234, 1.9, 1.95, 2.0}) {
+    const auto estimate = fed.fusion.estimate_at(at(t));
+    ASSERT_TRUE(estimate) << t;
+    EXPECT_EQ(estimate->stamp, at(t));
+    EXPECT_LT(distance(estimate->T_odom_body, fed.drive.pose(t)), 1e-5);
+    EXPECT_LT(distance(*estimate->T_map_body, true_T_map_odom() * fed.drive.pose(t)), 2e-3);
+  }
+  EXPECT_FALSE(fed.fusion.estimate_at(at(2.001)));
+  fed.drive_to(60.0);
+  EXPECT_FALSE(fed.fusion.estimate_at(at(20.0)));
+}
+
+}  // namespace
+}  // namespace fleetloc
