@@ -1,0 +1,178 @@
+#include "robot/tracking/feature_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace fleetloc {
+namespace {
+
+void check_image(const cv::Mat& image, const Camera& camera, const char* side) {
+  if (image.empty()) return;
+  if (image.type() != CV_8UC1 || image.cols != camera.width_px || image.rows != camera.height_px) {
+    throw std::invalid_argument(std::string(side) + " image: must be 8 bit gray and of " +
+                                std::to_string(camera.width_px) + "x" +
+                                std::to_string(camera.height_px) + " pixels as calibrated");
+  }
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+FeatureTracker::Config read_feature_tracker_config(ConfigReader section) {
+  return {.corners = read_corner_detection_config(section.section("corners")),
+          .flow = read_optical_flow_config(section.section("flow")),
+          .motion = read_motion_check_config(section.section("motion")),
+          .stereo = read_stereo_matching_config(section.section("stereo"))};
+}
+
+FeatureTracker::FeatureTracker(const StereoCalibration& calibration, const Config& config)
+    : config_(config),
+      stereo_(rectified(calibration)),
+      left_camera_(calibration.cam0, calibration.T_body_cam0.R, stereo_),
+      matcher_(stereo_,
+               RectifiedCamera(calibration.cam1, calibration.T_body_cam1.R, stereo_),
+               config.flow,
+               config.stereo),
+      R_left_previous_(Eigen::Quaterniond::Identity()),
+      translation_m_(Eigen::Vector3d::Zero()) {}
+
+TrackedFrame FeatureTracker::track(const StereoFrame& frame,
+                                   const Eigen::Quaterniond& R_previous_current) {
+  check_image(frame.left, left_camera_.camera(), "left");
+  check_image(frame.right, matcher_.right_camera().camera(), "right");
+  diagnostics_ = {};
+  R_left_previous_ = (R_left_previous_ * R_previous_current).normalized();
+  if (frame.left.empty()) return {.stamp = frame.stamp, .observations = {}};
+
+  ImagePyramid left(frame.left, config_.flow);
+  if (!left_.empty()) follow_tracks(left, R_left_previous_);
+  add_corners(frame.left);
+  match_right(left, frame.right);
+  left_ = std::move(left);
+  R_left_previous_.setIdentity();
+  return observe(frame.stamp);
+}
+
+/// The camera keeps its translation and turns as the gyroscope says.
+Pose FeatureTracker::predict_motion(const Eigen::Quaterniond& R_previous_current) const {
+  const Eigen::Quaterniond& R_body_cam = stereo_.T_body_cam0.R;
+  Pose T_current_previous;
+  T_current_previous.R = R_body_cam.conjugate() * R_previous_current.conjugate() * R_body_cam;
+  T_current_previous.p = translation_m_;
+  return T_current_previous;
+}
+
+/// Where the track is to be expected; where it was if that is outside of the image.
+cv::Point2f FeatureTracker::predict_pixel(const Track& track, const Pose& T) const {
+  const Eigen::Vector3d ray =
+      ((track.rectified - stereo_.center_px) / stereo_.focal_px).homogeneous();
+  Eigen::Vector3d moved = T.R * ray;
+  if (track.disparity > 0.0) {
+    moved += T.p * (track.disparity / (stereo_.focal_px * stereo_.baseline_m));
+  }
+  if (moved.z() <= 0.0) return track.left;
+  const Eigen::Vector2d rectified =
+      stereo_.center_px + moved.head<2>() * (stereo_.focal_px / moved.z());
+  return left_camera_.distort(rectified).value_or(track.left);
+}
+
+void FeatureTracker::follow_tracks(const ImagePyramid& left,
+                                   const Eigen::Quaterniond& R_previous_current) {
+  const Pose prediction = predict_motion(R_previous_current);
+  std::vector<cv::Point2f> points;
+  std::vector<cv::Point2f> starts;
+  for (const auto& track : tracks_) {
+    points.push_back(track.left);
+    starts.push_back(predict_pixel(track, prediction));
+  }
+  const auto moved = follow(left_, left, points, starts, config_.flow, config_.flow.levels);
+  std::vector<Track> followed;
+  std::vector<Correspondence> correspondences;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!moved[i]) continue;
+    const auto rectified = left_camera_.rectify(*moved[i]);
+    if (!rectified) continue;
+    correspondences.push_back({tracks_[i].rectified, *rectified, tracks_[i].disparity});
+    followed.push_back({tracks_[i].landmark, *moved[i], *rectified, tracks_[i].disparity});
+  }
+  diagnostics_.followed = static_cast<int>(followed.size());
+  diagnostics_.lost = static_cast<int>(tracks_.size() - followed.size());
+  const auto checked = check_motion(correspondences, stereo_, prediction, config_.motion);
+  keep_rigid(std::move(followed), correspondences, checked);
+}
+
+/// Keeps what moved with the scene, each with the disparity that it is now to be expected at.
+void FeatureTracker::keep_rigid(std::vector<Track> followed,
+                                const std::vector<Correspondence>& correspondences,
+                                const CheckedMotion& motion) {
+  tracks_.clear();
+  for (std::size_t i = 0; i < followed.size(); ++i) {
+    Track& track = followed[i];
+    if (!motion.inliers[i] || is_taken(track.left)) continue;
+    if (track.disparity > 0.0) {
+      const Eigen::Vector2d ideal =
+          (correspondences[i].previous - stereo_.center_px) / stereo_.focal_px;
+      const double depth = stereo_.focal_px * stereo_.baseline_m / track.disparity;
+      const double depth_now = (motion.T_current_previous * (depth * ideal.homogeneous())).z();
+      track.disparity *= motion.has_translation && depth_now > 0.0 ? depth / depth_now : 1.0;
+    }
+    tracks_.push_back(track);
+  }
+  diagnostics_.rejected_by_motion =
+      static_cast<int>(std::count(motion.inliers.begin(), motion.inliers.end(), false));
+  translation_m_ = motion.has_translation ? motion.T_current_previous.p : Eigen::Vector3d::Zero();
+}
+
+/// Two features that ran into one another are one; the older stays.
+bool FeatureTracker::is_taken(const cv::Point2f& pixel) const {
+  const double distance = 0.5 * config_.corners.least_distance_px;
+  return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
+    return cv::norm(track.left - pixel) < distance;
+  });
+}
+
+void FeatureTracker::add_corners(const cv::Mat& left) {
+  std::vector<cv::Point2f> present;
+  for (const auto& track : tracks_) present.push_back(track.left);
+  for (const auto& corner : detect_corners(left, present, config_.corners)) {
+    const auto rectified = left_camera_.rectify(corner);
+    if (!rectified) continue;
+    tracks_.push_back({LandmarkId{next_landmark_++}, corner, *rectified, 0.0});
+    ++diagnostics_.detected;
+  }
+}
+
+void FeatureTracker::match_right(const ImagePyramid& left, const cv::Mat& right) {
+  std::vector<StereoMatch> matches(tracks_.size());
+  if (!right.empty()) {
+    std::vector<StereoQuery> queries;
+    for (const auto& track : tracks_) {
+      queries.push_back({track.left, track.rectified, track.disparity});
+    }
+    matches = matcher_.match(left, ImagePyramid(right, config_.flow), queries);
+  }
+  std::vector<double> row_errors;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    tracks_[i].disparity = matches[i].disparity;
+    if (matches[i].disparity > 0.0) row_errors.push_back(std::abs(matches[i].row_error_px));
+  }
+  diagnostics_.with_disparity = static_cast<int>(row_errors.size());
+  diagnostics_.row_error_px = median(std::move(row_errors));
+}
+
+TrackedFrame FeatureTracker::observe(Timestamp stamp) const {
+  TrackedFrame frame{.stamp = stamp, .observations = {}};
+  for (const auto& track : tracks_) {
+    frame.observations.push_back({track.landmark, track.rectified, track.disparity});
+  }
+  return frame;
+}
+
+}  // namespace fleetloc

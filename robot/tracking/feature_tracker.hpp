@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "robot/tracking/corner_detection.hpp"
+#include "robot/tracking/motion_check.hpp"
+#include "robot/tracking/optical_flow.hpp"
+#include "robot/tracking/rectified_camera.hpp"
+#include "robot/tracking/stereo_matching.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/model/observation.hpp"
+#include "shared/model/stereo_frame.hpp"
+
+namespace fleetloc {
+
+/// What became of the features of one frame.
+struct TrackingDiagnostics {
+  int followed = 0;            ///< from the last left image, and found again on the way back
+  int lost = 0;                ///< not so
+  int rejected_by_motion = 0;  ///< of those followed: did not move as the scene did
+  int detected = 0;            ///< new
+  int with_disparity = 0;      ///< of all
+  double row_error_px = 0.0;   ///< median |difference| of left and right rectified row
+};
+
+/// Follows point features through the images of a stereo camera. Deterministic; programs that
+/// need bit-identical replays and no extra threads call cv::setNumThreads(1) once.
+class FeatureTracker {
+ public:
+  struct Config {
+    CornerDetectionConfig corners;
+    OpticalFlowConfig flow;
+    MotionCheckConfig motion;
+    StereoMatchingConfig stereo;
+  };
+
+  FeatureTracker(const StereoCalibration& calibration, const Config& config);
+
+  /// Observations in the rectified pair. Landmark ids increase and are never used twice. Without
+  /// a left image there are none, but features are followed to the next image from the last one
+  /// that was there; without a right image there are no disparities.
+  ///
+  /// @param R_previous_current  rotation of the body since the previous call, from the gyroscope;
+  ///                            identity if it is not known
+  /// Throws std::invalid_argument if an image is not 8 bit gray or not of the calibrated size.
+  TrackedFrame track(const StereoFrame& frame, const Eigen::Quaterniond& R_previous_current);
+
+  /// Of the last call.
+  [[nodiscard]] const TrackingDiagnostics& diagnostics() const { return diagnostics_; }
+
+ private:
+  struct Track {
+    LandmarkId landmark;
+    cv::Point2f left;           // in the image
+    Eigen::Vector2d rectified;  // the same in the rectified pair
+    double disparity = 0.0;     // 0: not known
+  };
+
+  void follow_tracks(const ImagePyramid& left, const Eigen::Quaterniond& R_previous_current);
+  void keep_rigid(std::vector<Track> followed,
+                  const std::vector<Correspondence>& correspondences,
+                  const CheckedMotion& motion);
+  void match_right(const ImagePyramid& left, const cv::Mat& right);
+  [[nodiscard]] bool is_taken(const cv::Point2f& pixel) const;
+  void add_corners(const cv::Mat& left);
+  [[nodiscard]] Pose predict_motion(const Eigen::Quaterniond& R_previous_current) const;
+  [[nodiscard]] cv::Point2f predict_pixel(const Track& track, const Pose& T) const;
+  [[nodiscard]] TrackedFrame observe(Timestamp stamp) const;
+
+  Config config_;
+  RectifiedStereo stereo_;
+  RectifiedCamera left_camera_;
+  StereoMatcher matcher_;
+
+  ImagePyramid left_;                   // the last that was there
+  std::vector<Track> tracks_;           // in it, strictly increasing by landmark
+  Eigen::Quaterniond R_left_previous_;  // of the body: from that image to the previous call
+  Eigen::Vector3d translation_m_;       // of the last T_current_previous, if known
+  std::uint32_t next_landmark_ = 0;
+  TrackingDiagnostics diagnostics_;
+};
+
+FeatureTracker::Config read_feature_tracker_config(ConfigReader section);
+
+}  // namespace fleetloc

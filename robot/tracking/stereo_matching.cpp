@@ -1,0 +1,120 @@
+#include "robot/tracking/stereo_matching.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace fleetloc {
+namespace {
+
+constexpr int kSearchLevel = 2;   // of the pyramid
+constexpr int kSearchRadius = 4;  // of the patch, at that level [px]
+constexpr int kSide = 2 * kSearchRadius + 1;
+using Patch = std::array<float, static_cast<std::size_t>(kSide) * kSide>;
+
+/// The surroundings of a pixel, of zero mean and unit norm; nothing at the border and without
+/// texture. `pixel` is of level 0, nearest pixels are taken.
+std::optional<Patch> normalized_patch(const cv::Mat& image, const cv::Point2f& pixel, int level) {
+  const float scale = 1.0F / static_cast<float>(1 << level);
+  const int column = cvRound(pixel.x * scale) - kSearchRadius;
+  const int row = cvRound(pixel.y * scale) - kSearchRadius;
+  if (column < 0 || row < 0 || column + kSide > image.cols || row + kSide > image.rows) {
+    return std::nullopt;
+  }
+  Patch patch;
+  auto value = patch.begin();
+  for (int y = row; y < row + kSide; ++y) {
+    const auto* line = image.ptr<unsigned char>(y) + column;
+    value = std::copy(line, line + kSide, value);
+  }
+  float sum = 0.0F;
+  for (const float v : patch) sum += v;
+  const float mean = sum / static_cast<float>(patch.size());
+  float energy = 0.0F;
+  for (float& v : patch) {
+    v -= mean;
+    energy += v * v;
+  }
+  if (energy < static_cast<float>(patch.size())) return std::nullopt;
+  const float inverse_norm = 1.0F / std::sqrt(energy);
+  for (float& v : patch) v *= inverse_norm;
+  return patch;
+}
+
+}  // namespace
+
+StereoMatchingConfig read_stereo_matching_config(ConfigReader section) {
+  return {.levels = section.integer("levels", 0, 6),
+          .round_trip_px = section.positive("round_trip_px"),
+          .row_error_px = section.positive("row_error_px"),
+          .least_disparity_px = section.positive("least_disparity_px"),
+          .nearest_m = section.positive("nearest_m"),
+          .least_correlation = section.positive("least_correlation")};
+}
+
+StereoMatcher::StereoMatcher(const RectifiedStereo& stereo,
+                             RectifiedCamera right_camera,
+                             const OpticalFlowConfig& flow,
+                             const StereoMatchingConfig& config)
+    : right_camera_(std::move(right_camera)),
+      flow_(flow),
+      config_(config),
+      most_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m) {
+  flow_.round_trip_px = config.round_trip_px;
+}
+
+double StereoMatcher::search(const ImagePyramid& left,
+                             const ImagePyramid& right,
+                             const StereoQuery& query) const {
+  const int level = std::min({kSearchLevel, left.levels(), right.levels()});
+  const auto wanted = normalized_patch(left.image(level), query.left, level);
+  if (!wanted) return 0.0;
+  const double step_px = 1 << level;
+  double best_disparity = 0.0;
+  auto best_correlation = static_cast<float>(config_.least_correlation);
+  for (double disparity = 0.5 * step_px; disparity < most_disparity_px_; disparity += step_px) {
+    const auto pixel = right_camera_.distort(query.rectified - Eigen::Vector2d(disparity, 0.0));
+    if (!pixel) continue;
+    const auto patch = normalized_patch(right.image(level), *pixel, level);
+    if (!patch) continue;
+    float correlation = 0.0F;
+    for (std::size_t i = 0; i < patch->size(); ++i) correlation += (*patch)[i] * (*wanted)[i];
+    if (correlation <= best_correlation) continue;
+    best_correlation = correlation;
+    best_disparity = disparity;
+  }
+  return best_disparity;
+}
+
+std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
+                                              const ImagePyramid& right,
+                                              const std::vector<StereoQuery>& queries) const {
+  std::vector<StereoMatch> matches(queries.size());
+  std::vector<std::size_t> indices;
+  std::vector<cv::Point2f> points;
+  std::vector<cv::Point2f> starts;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const StereoQuery& query = queries[i];
+    const double disparity = query.disparity > 0.0 ? query.disparity : search(left, right, query);
+    if (disparity <= 0.0) continue;
+    const auto start = right_camera_.distort(query.rectified - Eigen::Vector2d(disparity, 0.0));
+    if (!start) continue;
+    indices.push_back(i);
+    points.push_back(query.left);
+    starts.push_back(*start);
+  }
+  const auto found = follow(left, right, points, starts, flow_, config_.levels);
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    if (!found[k]) continue;
+    const auto rectified = right_camera_.rectify(*found[k]);
+    if (!rectified) continue;
+    const Eigen::Vector2d difference = queries[indices[k]].rectified - *rectified;
+    const bool plausible = std::abs(difference.y()) <= config_.row_error_px &&
+                           difference.x() >= config_.least_disparity_px &&
+                           difference.x() <= most_disparity_px_;
+    if (plausible) matches[indices[k]] = {difference.x(), -difference.y()};
+  }
+  return matches;
+}
+
+}  // namespace fleetloc
