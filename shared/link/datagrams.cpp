@@ -5,17 +5,17 @@
 namespace fleetloc {
 namespace {
 
-// Measured against Fast DDS 2.9.1 with maxMessageSize 1400; test/transport compares the two.
+// Measured on Fast DDS 2.9.1 with maxMessageSize 1400; test/transport compares the two.
 constexpr std::size_t kIpUdpBytes = 28;
 constexpr std::size_t kRtpsBytes = 20;         // header
 constexpr std::size_t kDestinationBytes = 16;  // submessage INFO_DST
 constexpr std::size_t kTimestampBytes = 12;    // submessage INFO_TS
+constexpr std::size_t kStatisticsBytes = 60;   // the library's own submessage, in every datagram
+constexpr std::size_t kCommonBytes =
+    kIpUdpBytes + kRtpsBytes + kDestinationBytes + kTimestampBytes + kStatisticsBytes;
 constexpr std::size_t kWholeBytes = 24;        // submessage DATA before its payload
 constexpr std::size_t kFragmentBytes = 36;     // submessage DATA_FRAG before its payload
-constexpr std::size_t kLargestWhole = 1252;    // payload in one datagram
-constexpr std::size_t kLargestFragment = 1252;
-
-constexpr std::size_t kCommonBytes = kIpUdpBytes + kRtpsBytes + kDestinationBytes + kTimestampBytes;
+constexpr std::size_t kLargestPayload = 1224;  // in one datagram
 
 // Submessages are aligned to four bytes.
 constexpr std::size_t padded(std::size_t bytes) {
@@ -25,10 +25,10 @@ constexpr std::size_t padded(std::size_t bytes) {
 }  // namespace
 
 std::vector<std::size_t> datagram_sizes(std::size_t payload_bytes) {
-  if (payload_bytes <= kLargestWhole) return {kCommonBytes + kWholeBytes + padded(payload_bytes)};
+  if (payload_bytes <= kLargestPayload) return {kCommonBytes + kWholeBytes + padded(payload_bytes)};
   std::vector<std::size_t> sizes;
-  for (std::size_t sent = 0; sent < payload_bytes; sent += kLargestFragment) {
-    const std::size_t part = std::min(kLargestFragment, payload_bytes - sent);
+  for (std::size_t sent = 0; sent < payload_bytes; sent += kLargestPayload) {
+    const std::size_t part = std::min(kLargestPayload, payload_bytes - sent);
     sizes.push_back(kCommonBytes + kFragmentBytes + padded(part));
   }
   return sizes;

@@ -20,7 +20,7 @@ struct LinkDirection {
 
 /// The link of one robot, seen from it.
 struct LinkConfig {
-  LinkDirection uplink, downlink;
+  LinkDirection uplink{}, downlink{};
   std::uint64_t seed{};
 };
 

@@ -1,0 +1,226 @@
+#include "shared/transport/wire_transport.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <utility>
+#include <vector>
+
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastdds/rtps/transport/UDPTransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include "shared/transport/delay_line.hpp"
+
+namespace fleetloc {
+
+namespace fdr = eprosima::fastdds::rtps;
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+constexpr std::uint32_t kIpUdpBytes = 28;  // headers of IPv4 and UDP
+constexpr std::size_t kGuidPrefixAt = 8;   // in the RTPS header
+constexpr std::uint32_t kRtpsHeaderBytes = 20;
+
+Timestamp to_timestamp(WireLink::Clock::time_point time) {
+  return Timestamp(std::chrono::duration_cast<Duration>(time.time_since_epoch()));
+}
+
+std::optional<WireLink::Clock::time_point> through(LinkModel& link, std::uint32_t datagram_bytes) {
+  const auto arrival =
+      link.arrival(to_timestamp(WireLink::Clock::now()), std::size_t{datagram_bytes} + kIpUdpBytes);
+  if (!arrival) return std::nullopt;
+  return WireLink::Clock::time_point(
+      std::chrono::duration_cast<WireLink::Clock::duration>(arrival->time_since_epoch()));
+}
+
+/// Keeps the settings of the transport that it wraps.
+class Descriptor final : public fdr::ChainingTransportDescriptor {
+ public:
+  Descriptor(std::shared_ptr<TransportDescriptor> udp, std::shared_ptr<WireLink> link)
+      : ChainingTransportDescriptor(std::move(udp)), link_(std::move(link)) {}
+
+  fdr::TransportInterface* create_transport() const override;
+
+  const std::shared_ptr<WireLink>& link() const { return link_; }
+  bool has_whitelist() const {
+    const auto& udp = dynamic_cast<const fdr::UDPTransportDescriptor&>(*low_level_descriptor);
+    return !udp.interfaceWhiteList.empty();
+  }
+
+ private:
+  std::shared_ptr<WireLink> link_;
+};
+
+class Transport final : public fdr::ChainingTransport {
+ public:
+  explicit Transport(const Descriptor& descriptor)
+      : ChainingTransport(descriptor),
+        descriptor_(descriptor),
+        link_(descriptor.link()),
+        delay_line_(link_->is_emulated() ? std::make_unique<DelayLine>() : nullptr) {}
+  ~Transport() override { stop(); }
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+
+  // The last moment at which what is delayed may still be used: the participant deletes its
+  // sockets and receivers after it. What is still on its way is lost.
+  void shutdown() override {
+    stop();
+    low_level_transport_->shutdown();
+  }
+
+  fdr::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
+
+  bool send(rtps::SenderResource* socket,
+            const rtps::octet* buffer,
+            std::uint32_t size,
+            rtps::LocatorsIterator* begin,
+            rtps::LocatorsIterator* end,
+            const std::chrono::steady_clock::time_point& timeout) override;
+
+  void receive(fdr::TransportReceiverInterface* receiver,
+               const rtps::octet* buffer,
+               std::uint32_t size,
+               const rtps::Locator_t& local,
+               const rtps::Locator_t& remote) override;
+
+ private:
+  void stop() {
+    if (delay_line_) delay_line_->stop();
+  }
+
+  // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
+  // sends it to every address (a multicast on loopback only), the others, one an interface, send
+  // multicasts only; with a whitelist every socket sends to every address.
+  bool sends(const rtps::SenderResource* socket, const rtps::Locator_t& to) const {
+    return counts(socket) || rtps::IPLocator::isMulticast(to);
+  }
+  // A multicast counts once, not on every interface.
+  bool counts(const rtps::SenderResource* socket) const {
+    return descriptor_.has_whitelist() || socket == first_socket_;
+  }
+
+  Descriptor descriptor_;
+  std::shared_ptr<WireLink> link_;
+  std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
+  std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
+};
+
+bool Transport::send(rtps::SenderResource* socket,
+                     const rtps::octet* buffer,
+                     std::uint32_t size,
+                     rtps::LocatorsIterator* begin,
+                     rtps::LocatorsIterator* end,
+                     const std::chrono::steady_clock::time_point& timeout) {
+  rtps::SenderResource* none = nullptr;
+  first_socket_.compare_exchange_strong(none, socket);  // they are called in their order
+  fdr::LocatorList destinations;                        // the iterators are valid in this call only
+  for (; *begin != *end; ++*begin) {
+    const rtps::Locator_t& to = **begin;
+    destinations.push_back(to);
+    if (counts(socket) && IsLocatorSupported(to)) link_->count_sent(buffer, size);
+  }
+  if (!delay_line_) {
+    rtps::Locators first(destinations.begin());
+    rtps::Locators last(destinations.end());
+    return socket->send(buffer, size, &first, &last, timeout);
+  }
+  for (const rtps::Locator_t& to : destinations) {
+    if (!IsLocatorSupported(to) || !sends(socket, to)) continue;
+    const auto due = link_->outgoing_at(size);
+    if (!due) continue;
+    delay_line_->at(*due, [socket, to, copy = std::vector<rtps::octet>(buffer, buffer + size)] {
+      fdr::LocatorList destination;
+      destination.push_back(to);
+      rtps::Locators first(destination.begin());
+      rtps::Locators last(destination.end());
+      const auto soon = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+      socket->send(copy.data(), static_cast<std::uint32_t>(copy.size()), &first, &last, soon);
+    });
+  }
+  return true;
+}
+
+void Transport::receive(fdr::TransportReceiverInterface* receiver,
+                        const rtps::octet* buffer,
+                        std::uint32_t size,
+                        const rtps::Locator_t& local,
+                        const rtps::Locator_t& remote) {
+  if (link_->is_own(buffer, size)) {
+    receiver->OnDataReceived(buffer, size, local, remote);
+    return;
+  }
+  if (!delay_line_) {
+    link_->count_received(size);
+    receiver->OnDataReceived(buffer, size, local, remote);
+    return;
+  }
+  const auto due = link_->incoming_at(size);
+  if (!due) return;
+  const auto deliver = [this, receiver, local, remote](const std::vector<rtps::octet>& copy) {
+    const auto bytes = static_cast<std::uint32_t>(copy.size());
+    link_->count_received(bytes);
+    receiver->OnDataReceived(copy.data(), bytes, local, remote);
+  };
+  delay_line_->at(
+      *due, [deliver, copy = std::vector<rtps::octet>(buffer, buffer + size)] { deliver(copy); });
+}
+
+fdr::TransportInterface* Descriptor::create_transport() const {
+  return new Transport(*this);
+}
+
+}  // namespace
+
+WireLink::WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
+  if (!link) return;
+  const bool is_robot = role == ChannelRole::kRobot;
+  outgoing_.emplace(is_robot ? link->uplink : link->downlink, link->seed);
+  incoming_.emplace(is_robot ? link->downlink : link->uplink, link->seed + 1);
+}
+
+std::optional<WireLink::Clock::time_point> WireLink::outgoing_at(std::uint32_t datagram_bytes) {
+  const std::lock_guard lock(mutex_);
+  return through(*outgoing_, datagram_bytes);
+}
+
+std::optional<WireLink::Clock::time_point> WireLink::incoming_at(std::uint32_t datagram_bytes) {
+  const std::lock_guard lock(mutex_);
+  return through(*incoming_, datagram_bytes);
+}
+
+void WireLink::count_sent(const std::uint8_t* datagram, std::uint32_t bytes) {
+  const std::lock_guard lock(mutex_);
+  ++traffic_.sent_datagrams;
+  traffic_.sent_bytes += bytes + kIpUdpBytes;
+  if (own_prefix_ || bytes < kRtpsHeaderBytes) return;
+  std::copy_n(datagram + kGuidPrefixAt, GuidPrefix().size(), own_prefix_.emplace().begin());
+}
+
+void WireLink::count_received(std::uint32_t bytes) {
+  const std::lock_guard lock(mutex_);
+  ++traffic_.received_datagrams;
+  traffic_.received_bytes += bytes + kIpUdpBytes;
+}
+
+bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
+  const std::lock_guard lock(mutex_);
+  return own_prefix_ && bytes >= kRtpsHeaderBytes &&
+         std::equal(own_prefix_->begin(), own_prefix_->end(), datagram + kGuidPrefixAt);
+}
+
+WireTraffic WireLink::traffic() const {
+  const std::lock_guard lock(mutex_);
+  return traffic_;
+}
+
+std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
+                                                    std::shared_ptr<WireLink> link) {
+  if (!std::dynamic_pointer_cast<fdr::UDPTransportDescriptor>(udp)) return nullptr;
+  return std::make_shared<Descriptor>(udp, std::move(link));
+}
+
+}  // namespace fleetloc

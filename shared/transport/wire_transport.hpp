@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+/// Which end of its link a participant is.
+enum class ChannelRole { kRobot, kCloud };
+
+/// At the IP level, with all headers, and with the meta traffic of DDS.
+struct WireTraffic {
+  std::uint64_t sent_bytes = 0;      ///< before the emulated link
+  std::uint64_t received_bytes = 0;  ///< behind it
+  std::uint64_t sent_datagrams = 0;
+  std::uint64_t received_datagrams = 0;
+};
+
+/// What one participant sends and receives, and the link that is emulated around it. Any thread.
+///
+/// The link is that of a robot, at whichever end it is emulated: a robot's participant puts what it
+/// sends on the uplink and what it receives on the downlink, a localizer's the other way round, for
+/// all its robots together. Where both ends emulate a link, both count.
+class WireLink {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  WireLink(ChannelRole role, const std::optional<LinkConfig>& link);
+
+  bool is_emulated() const { return outgoing_.has_value(); }
+
+  /// When it leaves or reaches this computer; nothing if it is lost.
+  std::optional<Clock::time_point> outgoing_at(std::uint32_t datagram_bytes);
+  std::optional<Clock::time_point> incoming_at(std::uint32_t datagram_bytes);
+
+  void count_sent(const std::uint8_t* datagram, std::uint32_t bytes);
+  void count_received(std::uint32_t bytes);
+  /// True for a multicast that comes back to its sender; it never left the computer.
+  bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
+
+  WireTraffic traffic() const;
+
+ private:
+  using GuidPrefix = std::array<std::uint8_t, 12>;
+
+  mutable std::mutex mutex_;
+  std::optional<LinkModel> outgoing_, incoming_;  // guarded by mutex_, but not whether they exist
+  std::optional<GuidPrefix> own_prefix_;          // guarded by mutex_
+  WireTraffic traffic_;                           // guarded by mutex_
+};
+
+using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;
+
+/// A transport around `udp`, which must be a UDP transport, that counts what passes and emulates
+/// the link. Nothing if it is not UDP.
+std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
+                                                    std::shared_ptr<WireLink> link);
+
+}  // namespace fleetloc
