@@ -1,0 +1,232 @@
+#include "robot/vio/frame_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "robot/inertial/imu_factor.hpp"
+#include "robot/vio/pose_alignment.hpp"
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+// A state and its covariance relative to a keyframe whose pose counts as known.
+struct LocalState {
+  NavState state;
+  Matrix15d covariance;
+};
+
+NavState retracted(const NavState& state, const Vector15d& delta) {
+  return {retract(state.T_odom_body, delta.head<6>()),
+          state.v_odom + delta.segment<3>(6),
+          {state.bias.gyroscope + delta.segment<3>(9), state.bias.accelerometer + delta.tail<3>()}};
+}
+
+// What is known of the keyframe apart from its pose.
+Matrix15d speed_bias_only(const Matrix15d& covariance) {
+  Matrix15d result = Matrix15d::Zero();
+  result.bottomRightCorner<9, 9>() = covariance.bottomRightCorner<9, 9>();
+  return result;
+}
+
+// The error is zero at the prediction, so second = -J_second^-1 (J_first * first + noise).
+LocalState predicted(const NavState& keyframe,
+                     const Matrix15d& covariance,
+                     const Preintegration& preintegration) {
+  const NavState state = preintegration.predict(keyframe);
+  const ImuError error = imu_error(preintegration, keyframe, state);
+  const Matrix15d J_inverse = error.J_second.partialPivLu().inverse();
+  const Matrix15d noise =
+      imu_error_covariance(preintegration) + error.J_first * covariance * error.J_first.transpose();
+  return {state, J_inverse * noise * J_inverse.transpose()};
+}
+
+// The window's landmarks in this frame. Their depths are not perfect, which shows the more the
+// farther the camera has moved from where it saw them last.
+std::vector<KnownPoint> known_points(const TrackedFrame& frame,
+                                     const WindowEstimate& window,
+                                     const RectifiedStereo& stereo,
+                                     const Pose& T_odom_body,
+                                     double pixel_sigma) {
+  const Pose T_cam0_odom = inverse(T_odom_body * stereo.T_body_cam0);
+  const double moved = (window.keyframes.back().state.T_odom_body.p - T_odom_body.p).norm();
+  std::vector<KnownPoint> points;
+  for (const StereoObservation& seen : frame.observations) {
+    const auto found = window.landmarks.find(seen.landmark);
+    if (found == window.landmarks.end()) {
+      continue;
+    }
+    const LandmarkEstimate& landmark = found->second;
+    const double z = std::max(0.1, (T_cam0_odom * landmark.p_odom).z());
+    const double by_depth = stereo.focal_px * moved / z * landmark.relative_depth_sigma;
+    const double by_sight = pixel_sigma * pixel_sigma * (1.0 + 1.0 / landmark.observations);
+    points.push_back({landmark.p_odom, seen, std::sqrt(by_sight + by_depth * by_depth)});
+  }
+  return points;
+}
+
+// Moves a prediction to the minimum of its own error and the reprojection errors, by Gauss-Newton
+// in covariance form: d = -P E (I + H P_66)^-1 b. `inliers` are those of the last step.
+struct Refinement {
+  LocalState state;
+  int inliers = 0;
+};
+Refinement refined(const LocalState& prediction,
+                   const std::vector<KnownPoint>& points,
+                   const RectifiedStereo& stereo,
+                   const FrameEstimator::Config& config) {
+  const Matrix6d P = prediction.covariance.topLeftCorner<6, 6>();
+  Refinement result{prediction, 0};
+  Vector15d delta = Vector15d::Zero();
+  PoseSystem system;
+  Matrix6d gain = Matrix6d::Zero();  // (I + H P)^-1
+  for (int i = 0; i < config.iterations; ++i) {
+    // The first step keeps everything: the prediction may be off by more than an outlier's limit.
+    const double outlier_sigmas = i == 0 ? 1e9 : config.outlier_sigmas;
+    system = linearize(
+        points, stereo, result.state.state.T_odom_body, {config.huber_sigmas, outlier_sigmas});
+    gain = (Matrix6d::Identity() + system.H * P).partialPivLu().inverse();
+    const Vector6d b = system.g - system.H * delta.head<6>();
+    delta = -prediction.covariance.leftCols<6>() * (gain * b);
+    result.state.state = retracted(prediction.state, delta);
+  }
+  const Eigen::Matrix<double, 15, 6> PE = prediction.covariance.leftCols<6>();
+  result.state.covariance = prediction.covariance - PE * (gain * system.H) * PE.transpose();
+  result.inliers = system.inliers;
+  return result;
+}
+
+// Adds the keyframe's own uncertainty: a wrong keyframe pose moves what follows as a rigid body.
+Matrix15d with_keyframe(const LocalState& local,
+                        const NavState& keyframe,
+                        const Matrix6d& keyframe_covariance) {
+  Eigen::Matrix<double, 15, 6> J = Eigen::Matrix<double, 15, 6>::Zero();
+  const Pose& T_odom_keyframe = keyframe.T_odom_body;
+  J.topRows<6>() = adjoint(inverse(local.state.T_odom_body) * T_odom_keyframe);
+  J.block<3, 3>(6, 0) = -hat(local.state.v_odom) * T_odom_keyframe.R.toRotationMatrix();
+  const Matrix15d sum = local.covariance + J * keyframe_covariance * J.transpose();
+  return 0.5 * (sum + sum.transpose());
+}
+
+// Displacement [px] of what both frames see, as it would be without rotation. Both are increasing
+// by landmark.
+std::vector<double> parallax(const TrackedFrame& before,
+                             const TrackedFrame& now,
+                             const RectifiedStereo& stereo,
+                             const Eigen::Quaterniond& R_before_now) {
+  const Eigen::Matrix3d R_body_cam0 = stereo.T_body_cam0.R.toRotationMatrix();
+  const Eigen::Matrix3d R_now_before =
+      R_body_cam0.transpose() * R_before_now.toRotationMatrix().transpose() * R_body_cam0;
+  std::vector<double> displacements;
+  auto old = before.observations.begin();
+  for (const StereoObservation& seen : now.observations) {
+    while (old != before.observations.end() && old->landmark < seen.landmark) {
+      ++old;
+    }
+    if (old == before.observations.end()) {
+      break;
+    }
+    if (old->landmark == seen.landmark) {
+      Eigen::Vector3d ray;
+      ray << (old->left - stereo.center_px) / stereo.focal_px, 1.0;
+      ray = R_now_before * ray;
+      const Eigen::Vector2d turned =
+          stereo.center_px + stereo.focal_px * ray.head<2>() / std::max(ray.z(), 1e-3);
+      displacements.push_back((seen.left - turned).norm());
+    }
+  }
+  return displacements;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+FrameEstimator::FrameEstimator(const RectifiedStereo& stereo,
+                               const ImuNoise& noise,
+                               const Config& config)
+    : stereo_(stereo), noise_(inflated(noise, config.noise)), config_(config) {}
+
+void FrameEstimator::update(std::shared_ptr<const WindowEstimate> window) {
+  window_ = std::move(window);
+  const WindowKeyframe& newest = window_->keyframes.back();
+  if (!reference_.has_value() || reference_->frame.stamp < newest.stamp) {
+    reference_ = {{newest.stamp, newest.observations}, newest.state.T_odom_body.R};
+  }
+}
+
+std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFrame& frame,
+                                                               const ImuBuffer& imu) {
+  if (window_ == nullptr || frame.stamp < window_->keyframes.back().stamp) {
+    return std::nullopt;
+  }
+  const WindowKeyframe& newest = window_->keyframes.back();
+  Result result;
+  result.estimate = {frame.stamp, newest.state, window_->covariance};
+  if (frame.stamp > newest.stamp) {
+    const std::vector<ImuSample> samples = imu.between(newest.stamp, frame.stamp);
+    if (samples.size() < 2) {
+      return std::nullopt;
+    }
+    LocalState local = predicted(newest.state,
+                                 speed_bias_only(window_->covariance),
+                                 Preintegration(samples, newest.state.bias, noise_));
+    const std::vector<KnownPoint> points =
+        known_points(frame, *window_, stereo_, local.state.T_odom_body, config_.noise.pixel_sigma);
+    result.tracked = static_cast<int>(points.size());
+    if (result.tracked >= config_.min_tracked) {
+      const Refinement refinement = refined(local, points, stereo_, config_);
+      result.outliers = result.tracked - refinement.inliers;
+      local = refinement.state;
+    }
+    result.estimate.state = local.state;
+    result.estimate.covariance =
+        with_keyframe(local, newest.state, window_->covariance.topLeftCorner<6, 6>());
+  }
+  const Eigen::Quaterniond& R_odom_body = result.estimate.state.T_odom_body.R;
+  result.wants_keyframe = wants_keyframe(frame, R_odom_body);
+  if (result.wants_keyframe) {
+    reference_ = {frame, R_odom_body};
+  }
+  return result;
+}
+
+bool FrameEstimator::wants_keyframe(const TrackedFrame& frame,
+                                    const Eigen::Quaterniond& R_odom_body) const {
+  const double since = to_seconds(frame.stamp - reference_->frame.stamp);
+  if (since < config_.min_keyframe_interval_s) {
+    return false;
+  }
+  if (since >= config_.max_keyframe_interval_s) {
+    return true;
+  }
+  std::vector<double> displacements = parallax(
+      reference_->frame, frame, stereo_, reference_->R_odom_body.conjugate() * R_odom_body);
+  const auto before = static_cast<double>(reference_->frame.observations.size());
+  return displacements.empty() ||
+         static_cast<double>(displacements.size()) < config_.keyframe_tracked_share * before ||
+         median(displacements) > config_.keyframe_parallax_px;
+}
+
+FrameEstimator::Config read_frame_estimator_config(ConfigReader section, const VioNoise& noise) {
+  FrameEstimator::Config config;
+  config.noise = noise;
+  config.iterations = section.integer("iterations", 1, 100);
+  config.huber_sigmas = section.positive("huber_sigmas");
+  config.outlier_sigmas = section.positive("outlier_sigmas");
+  config.min_tracked = section.integer("min_tracked", 3, 1000);
+  config.keyframe_parallax_px = section.positive("keyframe_parallax_px");
+  config.keyframe_tracked_share = section.positive("keyframe_tracked_share");
+  config.min_keyframe_interval_s = section.positive("min_keyframe_interval_s");
+  config.max_keyframe_interval_s = section.positive("max_keyframe_interval_s");
+  return config;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "robot/inertial/imu_buffer.hpp"
+#include "robot/vio/vio_noise.hpp"
+#include "robot/vio/window_estimate.hpp"
+#include "shared/model/camera.hpp"
+
+namespace fleetloc {
+
+/// A causal pose for every frame: inertial prediction from the newest keyframe of the latest
+/// window, refined by reprojection of the window's landmarks, which stay where they are.
+class FrameEstimator {
+ public:
+  struct Config {
+    VioNoise noise;
+    int iterations = 0;
+    double huber_sigmas = 0.0;
+    double outlier_sigmas = 0.0;
+    int min_tracked = 0;                  ///< observations of known landmarks for a refinement
+    double keyframe_parallax_px = 0.0;    ///< median, rotation taken out
+    double keyframe_tracked_share = 0.0;  ///< of the last keyframe's landmarks; below: new keyframe
+    double min_keyframe_interval_s = 0.0;
+    double max_keyframe_interval_s = 0.0;
+  };
+  struct Result {
+    OdometryEstimate estimate;
+    bool wants_keyframe = false;
+    int tracked = 0;   ///< observations of known landmarks
+    int outliers = 0;  ///< of these, given up by the refinement
+  };
+
+  FrameEstimator(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config);
+
+  void update(std::shared_ptr<const WindowEstimate> window);
+
+  /// Nothing before the first window, for a frame before its newest keyframe, and where `imu` does
+  /// not reach from there to the frame. The caller makes a keyframe of a frame that is wanted.
+  std::optional<Result> estimate(const TrackedFrame& frame, const ImuBuffer& imu);
+
+ private:
+  // What the next frames are compared with: the last frame that became a keyframe.
+  struct Reference {
+    TrackedFrame frame;
+    Eigen::Quaterniond R_odom_body;
+  };
+  bool wants_keyframe(const TrackedFrame& frame, const Eigen::Quaterniond& R_odom_body) const;
+
+  RectifiedStereo stereo_;
+  ImuNoise noise_;  // inflated
+  Config config_;
+  std::shared_ptr<const WindowEstimate> window_;
+  std::optional<Reference> reference_;
+};
+FrameEstimator::Config read_frame_estimator_config(ConfigReader section, const VioNoise& noise);
+
+}  // namespace fleetloc

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "robot/inertial/preintegration.hpp"
+
+namespace fleetloc {
+
+/// What makes a visual trajectory a visual-inertial one. `first` is the frame of the trajectory,
+/// not aligned with gravity.
+struct InertialAlignment {
+  ImuBias bias;
+  Eigen::Vector3d g_first = Eigen::Vector3d::Zero();  ///< |g| = 9.81 [m/s^2]
+  std::vector<Eigen::Vector3d> v_first;               ///< of body, at every pose [m/s]
+  double free_gravity = 0.0;                          ///< |g| when it is estimated as well
+};
+
+struct AlignmentNoise {
+  double position_sigma_m = 0.0;          ///< of the trajectory, between neighbours
+  double accelerometer_bias_sigma = 0.0;  ///< about zero [m/s^2]
+};
+
+/// @param T_first_body  at the ends of `between`, at least three; scale known
+InertialAlignment align_inertially(std::span<const Pose> T_first_body,
+                                   std::vector<Preintegration> between,
+                                   const AlignmentNoise& noise);
+
+}  // namespace fleetloc

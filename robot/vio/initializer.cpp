@@ -1,0 +1,159 @@
+#include "robot/vio/initializer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kLeastKeyframes = 4;
+
+// The IMU of one keyframe interval from those of its frames, which share their end samples.
+void append_samples(const std::vector<ImuSample>& more, std::vector<ImuSample>& samples) {
+  const auto begin = samples.empty() ? more.begin() : more.begin() + 1;
+  samples.insert(samples.end(), begin, more.end());
+}
+
+std::vector<NavState> aligned_states(const InertialAlignment& alignment,
+                                     const std::vector<Pose>& T_first_body) {
+  const Pose T_odom_first{
+      Eigen::Quaterniond::FromTwoVectors(-alignment.g_first, Eigen::Vector3d::UnitZ()),
+      Eigen::Vector3d::Zero()};
+  std::vector<NavState> states;
+  for (std::size_t i = 0; i < T_first_body.size(); ++i) {
+    states.push_back(
+        {T_odom_first * T_first_body[i], T_odom_first.R * alignment.v_first[i], alignment.bias});
+  }
+  return states;
+}
+
+}  // namespace
+
+Initializer::Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config)
+    : stereo_(stereo), noise_(noise), config_(config), odometry_(stereo, config.odometry) {}
+
+std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
+                                               std::span<const ImuSample> since_previous_frame) {
+  if (!frames_.empty() && since_previous_frame.size() < 2) {
+    start_over();
+  }
+  std::optional<Pose> T_first_body = odometry_.add(frame);
+  if (!T_first_body.has_value()) {
+    start_over();
+    status_ = Status::kVisionLost;
+    T_first_body = odometry_.add(frame);
+  }
+  frames_.push_back(
+      {frame, {since_previous_frame.begin(), since_previous_frame.end()}, *T_first_body});
+  if (to_seconds(frame.stamp - frames_.front().frame.stamp) < config_.duration_s) {
+    return std::nullopt;
+  }
+  std::optional<Initialization> result = align();
+  if (!result.has_value()) {  // again after another interval
+    const Timestamp last = frame.stamp;
+    std::erase_if(frames_, [&](const Frame& old) {
+      return to_seconds(last - old.frame.stamp) > config_.duration_s - config_.keyframe_interval_s;
+    });
+  }
+  return result;
+}
+
+void Initializer::start_over() {
+  odometry_ = StereoOdometry(stereo_, config_.odometry);
+  frames_.clear();
+}
+
+// Backwards from the newest frame, which must be one.
+std::vector<std::size_t> Initializer::choose_keyframes() const {
+  std::vector<std::size_t> chosen{frames_.size() - 1};
+  const auto most = static_cast<std::size_t>(config_.window.keyframes);
+  for (std::size_t i = frames_.size() - 1; i-- > 0 && chosen.size() < most;) {
+    const Duration since = frames_[chosen.back()].frame.stamp - frames_[i].frame.stamp;
+    if (to_seconds(since) >= config_.keyframe_interval_s) {
+      chosen.push_back(i);
+    }
+  }
+  std::reverse(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+std::optional<Initialization> Initializer::align() {
+  const std::vector<std::size_t> chosen = choose_keyframes();
+  if (chosen.size() < kLeastKeyframes) {
+    return std::nullopt;
+  }
+  Initialization result;
+  std::vector<Pose> T_first_body;
+  std::vector<Preintegration> between;
+  const ImuNoise noise = inflated(noise_, config_.window.noise);
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    KeyframeInput keyframe{KeyframeId{static_cast<std::uint32_t>(k)}, frames_[chosen[k]].frame, {}};
+    for (std::size_t i = k == 0 ? chosen[k] : chosen[k - 1]; i < chosen[k]; ++i) {
+      append_samples(frames_[i + 1].imu, keyframe.imu);
+    }
+    if (k > 0) {
+      between.emplace_back(keyframe.imu, ImuBias{}, noise);
+    }
+    T_first_body.push_back(frames_[chosen[k]].T_first_body);
+    result.keyframes.push_back(std::move(keyframe));
+  }
+  const InertialAlignment alignment =
+      align_inertially(T_first_body,
+                       std::move(between),
+                       {config_.position_sigma_m, config_.window.accelerometer_bias_sigma});
+  status_ = check(alignment);
+  if (status_ != Status::kInitialized) {
+    return std::nullopt;
+  }
+  result.states = aligned_states(alignment, T_first_body);
+  status_ = refine(result);
+  if (status_ != Status::kInitialized) {
+    return std::nullopt;
+  }
+  result.T_first_newest = T_first_body.front() * inverse(result.states.front().T_odom_body) *
+                          result.states.back().T_odom_body;
+  return result;
+}
+
+Initializer::Status Initializer::check(const InertialAlignment& alignment) const {
+  if (!(std::abs(alignment.free_gravity - kGravity.norm()) < config_.max_gravity_error)) {
+    return Status::kWrongGravity;
+  }
+  return plausible(alignment.bias) ? Status::kInitialized : Status::kWrongBias;
+}
+
+bool Initializer::plausible(const ImuBias& bias) const {
+  return bias.gyroscope.norm() < config_.max_gyroscope_bias &&
+         bias.accelerometer.norm() < config_.max_accelerometer_bias;
+}
+
+// The window itself, as it will start.
+Initializer::Status Initializer::refine(Initialization& initialization) const {
+  const SlidingWindow window(stereo_, noise_, config_.window, initialization);
+  const WindowEstimate& estimate = window.estimate();
+  const double residuals = 3.0 * std::max(estimate.diagnostics.observations, 1);
+  if (!estimate.diagnostics.converged ||
+      !(estimate.diagnostics.final_cost < config_.max_cost_per_residual * residuals)) {
+    return Status::kResiduals;
+  }
+  initialization.states = estimate.inertial.states;
+  return plausible(initialization.states.back().bias) ? Status::kInitialized : Status::kWrongBias;
+}
+
+Initializer::Config read_initializer_config(ConfigReader section,
+                                            const SlidingWindow::Config& window) {
+  Initializer::Config config;
+  config.window = window;
+  config.odometry =
+      read_stereo_odometry_config(section.section("odometry"), window.noise.pixel_sigma);
+  config.duration_s = section.positive("duration_s");
+  config.keyframe_interval_s = section.positive("keyframe_interval_s");
+  config.position_sigma_m = section.positive("position_sigma_m");
+  config.max_gravity_error = section.positive("max_gravity_error");
+  config.max_gyroscope_bias = section.positive("max_gyroscope_bias");
+  config.max_accelerometer_bias = section.positive("max_accelerometer_bias");
+  config.max_cost_per_residual = section.positive("max_cost_per_residual");
+  return config;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "robot/vio/vio_noise.hpp"
+#include "robot/vio/window_estimate.hpp"
+#include "shared/model/camera.hpp"
+
+namespace fleetloc {
+
+struct KeyframeInput {
+  KeyframeId id{};
+  TrackedFrame frame;
+  /// From the previous keyframe's stamp to this one's, ends interpolated; empty for the first.
+  std::vector<ImuSample> imu;
+};
+
+/// Where a window starts from; see Initializer.
+struct Initialization {
+  std::vector<KeyframeInput> keyframes;
+  std::vector<NavState> states;  ///< of the keyframes
+  /// Body at the newest keyframe relative to the body at the first frame ever added.
+  Pose T_first_newest;
+};
+
+/// Optimizes the states of the latest keyframes and their landmarks: reprojection (paper, eq. 1),
+/// preintegration (eq. 2), random walk of the biases (eq. 3) and what is left of the keyframes and
+/// landmarks that have gone. Yaw and position of the oldest keyframe are held, nothing else is.
+class SlidingWindow {
+ public:
+  struct Config {
+    VioNoise noise;
+    int keyframes = 0;                      ///< in the window, the newest included
+    int iterations = 0;                     ///< of one optimization, at most
+    double huber_sigmas = 0.0;              ///< of a whole reprojection error, in pixel sigmas
+    double outlier_sigmas = 0.0;            ///< likewise: observations beyond it are dropped
+    double min_disparity_px = 0.0;          ///< for a landmark from one stereo pair
+    double max_depth_m = 0.0;               ///< landmarks farther away are not used
+    double gyroscope_bias_sigma = 0.0;      ///< at the start, about zero [rad/s]
+    double accelerometer_bias_sigma = 0.0;  ///< at the start, about zero [m/s^2]
+  };
+
+  SlidingWindow(const RectifiedStereo& stereo,
+                const ImuNoise& noise,
+                const Config& config,
+                const Initialization& initialization);
+  ~SlidingWindow();
+  SlidingWindow(SlidingWindow&&) noexcept;
+  SlidingWindow& operator=(SlidingWindow&&) noexcept;
+
+  /// As of the last optimization.
+  [[nodiscard]] const WindowEstimate& estimate() const;
+
+  /// Optimizes with the new keyframe, then marginalizes the oldest one if the window is full.
+  WindowEstimate add(const KeyframeInput& keyframe);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+SlidingWindow::Config read_sliding_window_config(ConfigReader section, const VioNoise& noise);
+
+}  // namespace fleetloc

@@ -1,0 +1,117 @@
+#include "robot/vio/triangulation.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "shared/factors/reprojection_factor.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kMinDepth = 0.1;  // [m]
+constexpr int kRefinements = 3;
+
+Eigen::Vector3d ray(const StereoObservation& observation, const RectifiedStereo& stereo) {
+  Eigen::Vector3d ray;
+  ray << (observation.left - stereo.center_px) / stereo.focal_px, 1.0;
+  return ray;
+}
+
+double depth(const Sight& sight, const RectifiedStereo& stereo, const Eigen::Vector3d& p_odom) {
+  return (inverse(sight.T_odom_body * stereo.T_body_cam0) * p_odom).z();
+}
+
+// The point nearest to all rays. The smallest eigenvalue of the sum of projectors is about half
+// the squared angle between two rays.
+std::optional<Eigen::Vector3d> intersect(std::span<const Sight> sights,
+                                         const RectifiedStereo& stereo,
+                                         double min_parallax_px) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const Sight& sight : sights) {
+    const Pose T_odom_cam0 = sight.T_odom_body * stereo.T_body_cam0;
+    const Eigen::Vector3d d = (T_odom_cam0.R * ray(sight.observation, stereo)).normalized();
+    const Eigen::Matrix3d P = Eigen::Matrix3d::Identity() - d * d.transpose();
+    A += P;
+    b += P * T_odom_cam0.p;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A);
+  const double least_angle = min_parallax_px / stereo.focal_px;
+  if (eigen.eigenvalues()(0) < 0.5 * least_angle * least_angle) {
+    return std::nullopt;
+  }
+  return A.ldlt().solve(b);
+}
+
+std::optional<Eigen::Vector3d> first_guess(std::span<const Sight> sights,
+                                           const RectifiedStereo& stereo,
+                                           const TriangulationLimits& limits) {
+  const Sight* best = nullptr;
+  for (const Sight& sight : sights) {
+    if (sight.observation.disparity >= limits.min_disparity_px &&
+        (best == nullptr || sight.observation.disparity > best->observation.disparity)) {
+      best = &sight;
+    }
+  }
+  if (best != nullptr) {
+    return best->T_odom_body * triangulate(best->observation, stereo);
+  }
+  return sights.size() > 1 ? intersect(sights, stereo, limits.min_disparity_px) : std::nullopt;
+}
+
+// Gauss-Newton over the reprojection errors, poses fixed.
+Eigen::Vector3d refined(std::span<const Sight> sights,
+                        const RectifiedStereo& stereo,
+                        Eigen::Vector3d p_odom) {
+  for (int i = 0; i < kRefinements; ++i) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    for (const Sight& sight : sights) {
+      const PoseParameters pose = to_parameters(sight.T_odom_body);
+      const double* const parameters[] = {pose.data(), p_odom.data()};
+      Eigen::Vector3d r = Eigen::Vector3d::Zero();
+      Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J;
+      J.setZero();
+      double* jacobians[] = {nullptr, J.data()};
+      if (sight.observation.disparity > 0.0) {
+        StereoReprojectionFactor(sight.observation, stereo, {})
+            .Evaluate(parameters, r.data(), jacobians);
+      } else {
+        MonoReprojectionFactor(sight.observation, stereo, {})
+            .Evaluate(parameters, r.data(), jacobians);
+      }
+      H += J.transpose() * J;
+      g += J.transpose() * r;
+    }
+    p_odom -= H.ldlt().solve(g);
+  }
+  return p_odom;
+}
+
+}  // namespace
+
+Eigen::Vector3d triangulate(const StereoObservation& observation, const RectifiedStereo& stereo) {
+  const double z = stereo.focal_px * stereo.baseline_m / observation.disparity;
+  return stereo.T_body_cam0 * (z * ray(observation, stereo));
+}
+
+std::optional<Eigen::Vector3d> triangulate(std::span<const Sight> sights,
+                                           const RectifiedStereo& stereo,
+                                           const TriangulationLimits& limits) {
+  std::optional<Eigen::Vector3d> p_odom = first_guess(sights, stereo, limits);
+  if (!p_odom.has_value()) {
+    return std::nullopt;
+  }
+  if (sights.size() > 1) {
+    p_odom = refined(sights, stereo, *p_odom);
+  }
+  for (const Sight& sight : sights) {
+    const double z = depth(sight, stereo, *p_odom);
+    if (!(z > kMinDepth && z < limits.max_depth_m)) {
+      return std::nullopt;
+    }
+  }
+  return p_odom;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,170 @@
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "robot/vio/gauge_factor.hpp"
+#include "robot/vio/window_graph.hpp"
+
+namespace fleetloc {
+namespace {
+
+GaugeFactor gauge_factor(const GraphKeyframe& oldest) {
+  return GaugeFactor(pose_from(oldest.pose.data()),
+                     oldest.first_pose ? &*oldest.first_pose : nullptr);
+}
+
+ceres::Problem::Options problem_options() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+ceres::Solver::Options solver_options(int iterations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.num_threads = 1;
+  options.max_num_iterations = iterations;
+  options.max_solver_time_in_seconds = 1e9;
+  options.function_tolerance = 1e-5;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+void add_states(ceres::Problem& problem,
+                WindowGraph& graph,
+                ceres::Manifold* manifold,
+                ceres::ParameterBlockOrdering& ordering) {
+  for (GraphKeyframe& keyframe : graph.keyframes) {
+    problem.AddParameterBlock(keyframe.pose.data(), 7, manifold);
+    problem.AddParameterBlock(keyframe.speed_bias.data(), 9);
+    ordering.AddElementToGroup(keyframe.pose.data(), 1);
+    ordering.AddElementToGroup(keyframe.speed_bias.data(), 1);
+  }
+  for (auto& [id, landmark] : graph.landmarks) {
+    if (landmark.takes_part()) {
+      problem.AddParameterBlock(landmark.p_odom.data(), 3);
+      ordering.AddElementToGroup(landmark.p_odom.data(), 0);
+    }
+  }
+}
+
+// The states that a prior speaks of, as Ceres wants them: it may write to them.
+std::vector<double*> states_of_prior(WindowGraph& graph) {
+  std::vector<double*> states;
+  for (const PriorState& state : graph.prior->states()) {
+    for (GraphKeyframe& keyframe : graph.keyframes) {
+      for (double* values : {keyframe.pose.data(), keyframe.speed_bias.data()}) {
+        if (values == state.values) {
+          states.push_back(values);
+        }
+      }
+    }
+  }
+  return states;
+}
+
+double squared_error(const GraphFactor& factor) {
+  Eigen::Vector3d residual = Eigen::Vector3d::Zero();  // of two rows if mono
+  factor.cost->Evaluate(factor.parameters.data(), residual.data(), nullptr);
+  return residual.squaredNorm();
+}
+
+void forget_unseen_landmarks(WindowGraph& graph) {
+  std::erase_if(graph.landmarks, [](const auto& item) { return item.second.observations == 0; });
+}
+
+void forget_observation(WindowGraph& graph, GraphKeyframe& keyframe, LandmarkId id) {
+  std::erase_if(keyframe.observations,
+                [id](const StereoObservation& seen) { return seen.landmark == id; });
+  --graph.landmarks.at(id).observations;
+}
+
+}  // namespace
+
+WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& config) {
+  relinearize_preintegrations(graph);
+  std::vector<GraphFactor> inertial = inertial_factors(graph);
+  std::vector<VisualFactor> visual = visual_factors(graph, config.noise.pixel_sigma);
+  GaugeFactor gauge = gauge_factor(graph.keyframes.front());
+  PoseManifold manifold;
+  ceres::HuberLoss huber(config.huber_sigmas);
+
+  ceres::Problem problem(problem_options());
+  ceres::Solver::Options options = solver_options(config.iterations);
+  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  add_states(problem, graph, &manifold, *options.linear_solver_ordering);
+  problem.AddResidualBlock(&gauge, nullptr, graph.keyframes.front().pose.data());
+  if (graph.prior != nullptr) {
+    problem.AddResidualBlock(graph.prior.get(), nullptr, states_of_prior(graph));
+  }
+  for (const GraphFactor& factor : inertial) {
+    problem.AddResidualBlock(factor.cost.get(), nullptr, factor.parameters);
+  }
+  for (const VisualFactor& factor : visual) {
+    problem.AddResidualBlock(factor.factor.cost.get(), &huber, factor.factor.parameters);
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  WindowDiagnostics diagnostics;
+  diagnostics.initial_cost = summary.initial_cost;
+  diagnostics.final_cost = summary.final_cost;
+  diagnostics.iterations = static_cast<int>(summary.iterations.size());
+  diagnostics.converged = summary.IsSolutionUsable();
+  diagnostics.observations = static_cast<int>(visual.size());
+  return diagnostics;
+}
+
+int remove_outliers(WindowGraph& graph, const SlidingWindow::Config& config) {
+  const double limit = config.outlier_sigmas * config.outlier_sigmas;
+  int removed = 0;
+  for (const VisualFactor& visual : visual_factors(graph, config.noise.pixel_sigma)) {
+    if (squared_error(visual.factor) > limit) {
+      forget_observation(graph, graph.keyframes[visual.keyframe], visual.landmark);
+      ++removed;
+    }
+  }
+  forget_unseen_landmarks(graph);
+  return removed;
+}
+
+Eigen::MatrixXd covariance_of(WindowGraph& graph, const SlidingWindow::Config& config) {
+  const std::vector<GraphFactor> inertial = inertial_factors(graph);
+  const std::vector<VisualFactor> visual = visual_factors(graph, config.noise.pixel_sigma);
+  const GaugeFactor gauge = gauge_factor(graph.keyframes.front());
+  const ceres::HuberLoss huber(config.huber_sigmas);
+  std::vector<ResidualBlock> blocks{{&gauge, nullptr, {graph.keyframes.front().pose.data()}}};
+  if (graph.prior != nullptr) {
+    blocks.push_back(block_of(*graph.prior));
+  }
+  for (const GraphFactor& factor : inertial) {
+    blocks.push_back(block_of(factor));
+  }
+  for (const VisualFactor& factor : visual) {
+    blocks.push_back(block_of(factor.factor, &huber));
+  }
+  std::vector<ParameterBlock> kept;
+  for (const GraphKeyframe& keyframe : graph.keyframes) {
+    kept.push_back({keyframe.pose.data(), 6});
+    kept.push_back({keyframe.speed_bias.data(), 9});
+  }
+  std::vector<const double*> points;
+  for (const auto& [id, landmark] : graph.landmarks) {
+    if (landmark.takes_part()) {
+      points.push_back(landmark.p_odom.data());
+    }
+  }
+  const NormalEquations system = schur_complement(blocks, kept, points);
+  const Eigen::VectorXd scale = system.H.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * system.H * scale.asDiagonal());
+  const Eigen::MatrixXd inverse =
+      cholesky.solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
+  return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+}  // namespace fleetloc
