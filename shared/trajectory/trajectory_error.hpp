@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "shared/trajectory/trajectory.hpp"
+
+namespace fleetloc {
+
+/// Of numbers that are not negative; zero without any.
+struct Statistics {
+  double median = 0.0;  ///< the mean of the two in the middle if their number is even
+  double mean = 0.0;
+  double rmse = 0.0;
+  double std = 0.0;  ///< about the mean, of all of them (not of a sample)
+  double max = 0.0;
+};
+
+Statistics statistics(std::vector<double> values);
+
+/// Absolute trajectory error (Sturm et al. 2012), and that of the rotation.
+struct TrajectoryError {
+  std::size_t poses = 0;
+  Statistics translation_m;
+  Statistics rotation_deg;
+};
+
+TrajectoryError absolute_trajectory_error(std::span<const PosePair> pairs,
+                                          const Pose& T_truth_estimate);
+
+/// Normalized estimation error squared per degree of freedom: near one if `covariance` (right
+/// perturbation of the estimate) tells the truth, above if it promises too much. Nothing if the
+/// covariance is not positive definite.
+std::optional<double> nees_per_degree_of_freedom(const Pose& T_ref_truth,
+                                                 const Pose& T_ref_estimate,
+                                                 const Matrix6d& covariance);
+
+}  // namespace fleetloc

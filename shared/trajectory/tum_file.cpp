@@ -1,0 +1,80 @@
+#include "shared/trajectory/tum_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+
+#include "shared/config/delimited_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kTumColumns = 8;
+constexpr std::size_t kEurocPoseColumns = 8;  // of 17
+
+Eigen::Vector3d position(const DelimitedFile& file) {
+  return {file.number(1), file.number(2), file.number(3)};
+}
+
+/// Columns of the four coefficients.
+Eigen::Quaterniond quaternion(
+    const DelimitedFile& file, std::size_t w, std::size_t x, std::size_t y, std::size_t z) {
+  constexpr double kTolerance = 0.01;  // files with two decimals exist
+  const Eigen::Quaterniond q(file.number(w), file.number(x), file.number(y), file.number(z));
+  if (std::abs(q.norm() - 1.0) > kTolerance) file.fail("the quaternion is not of unit length");
+  return q.normalized();
+}
+
+StampedPose tum_pose(const DelimitedFile& file) {
+  file.expect_columns(kTumColumns);
+  return {.stamp = file.seconds(0),
+          .T_ref_body = {.R = quaternion(file, 7, 4, 5, 6), .p = position(file)}};
+}
+
+StampedPose euroc_pose(const DelimitedFile& file) {
+  if (file.columns() < kEurocPoseColumns) file.fail("fewer than 8 columns");
+  return {.stamp = file.nanoseconds(0),
+          .T_ref_body = {.R = quaternion(file, 4, 5, 6, 7), .p = position(file)}};
+}
+
+}  // namespace
+
+void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T) {
+  constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+  const std::int64_t ns = stamp.time_since_epoch().count();
+  std::array<char, 512> line{};
+  const int length = std::snprintf(line.data(),
+                                   line.size(),
+                                   "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                                   static_cast<long long>(ns / kNanosecondsPerSecond),
+                                   static_cast<long long>(ns % kNanosecondsPerSecond),
+                                   T.p.x(),
+                                   T.p.y(),
+                                   T.p.z(),
+                                   T.R.x(),
+                                   T.R.y(),
+                                   T.R.z(),
+                                   T.R.w());
+  stream.write(line.data(), length);
+}
+
+Trajectory read_trajectory(const std::filesystem::path& path) {
+  Trajectory trajectory;
+  try {
+    const bool euroc = path.extension() == ".csv";
+    DelimitedFile file(path, euroc ? ',' : ' ');
+    while (file.next()) {
+      const StampedPose pose = euroc ? euroc_pose(file) : tum_pose(file);
+      if (!trajectory.empty() && pose.stamp <= trajectory.back().stamp) {
+        file.fail("the stamp is not later than the one before");
+      }
+      trajectory.push_back(pose);
+    }
+  } catch (const TextFileError& error) {
+    throw TrajectoryFileError(error.what());
+  }
+  return trajectory;
+}
+
+}  // namespace fleetloc

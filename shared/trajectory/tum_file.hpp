@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <ostream>
+#include <stdexcept>
+
+#include "shared/trajectory/trajectory.hpp"
+
+namespace fleetloc {
+
+/// A trajectory file that cannot be read. The message names file and line.
+class TrajectoryFileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Writes `stamp_s tx ty tz qx qy qz qw` with 9 decimals and a line end; the stamp is exact.
+void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T_ref_body);
+
+/// Reads what write_tum_line() writes, and files of EuRoC's ground truth (.csv: stamp in ns,
+/// position, quaternion w x y z; what follows is ignored). Quaternions are normalized. Throws
+/// TrajectoryFileError, also if stamps do not increase; a file without poses is an empty
+/// trajectory.
+Trajectory read_trajectory(const std::filesystem::path& file);
+
+}  // namespace fleetloc
