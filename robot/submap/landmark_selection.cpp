@@ -1,0 +1,105 @@
+#include "robot/submap/landmark_selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace fleetloc {
+namespace {
+
+using Images = std::span<const std::vector<StereoObservation>* const>;
+
+bool is_reliable(const LandmarkSelection& selection, const CandidateLandmark& landmark) {
+  return landmark.observations > selection.more_observations_than &&
+         landmark.relative_depth_sigma <= selection.max_relative_depth_sigma &&
+         landmark.p_odom.allFinite();
+}
+
+/// Better ones compare less.
+auto rank(const CandidateLandmark& landmark) {
+  return std::tuple(-landmark.observations, landmark.relative_depth_sigma, landmark.id);
+}
+
+struct Candidate {
+  const CandidateLandmark* landmark;
+  std::vector<std::size_t> seen_in;  // indices of images
+};
+using Candidates = std::map<LandmarkId, Candidate>;
+
+Candidates candidates_in(const LandmarkSelection& selection,
+                         Images images,
+                         std::span<const CandidateLandmark> landmarks) {
+  Candidates candidates;
+  for (const CandidateLandmark& landmark : landmarks) {
+    if (is_reliable(selection, landmark)) {
+      candidates.emplace_hint(candidates.end(), landmark.id, Candidate{&landmark, {}});
+    }
+  }
+  for (std::size_t image = 0; image < images.size(); ++image) {
+    for (const StereoObservation& observation : *images[image]) {
+      const auto candidate = candidates.find(observation.landmark);
+      if (candidate != candidates.end()) candidate->second.seen_in.push_back(image);
+    }
+  }
+  return candidates;
+}
+
+/// The candidates of one image, the best of each cell first, then the second best of each cell...
+std::vector<const Candidate*> spread(const LandmarkSelection& selection,
+                                     const std::vector<StereoObservation>& image,
+                                     const Candidates& candidates) {
+  std::map<std::pair<int, int>, std::vector<const Candidate*>> cells;
+  for (const StereoObservation& observation : image) {
+    const auto candidate = candidates.find(observation.landmark);
+    if (candidate == candidates.end()) continue;
+    const std::pair cell(static_cast<int>(std::floor(observation.left.x() / selection.cell_px)),
+                         static_cast<int>(std::floor(observation.left.y() / selection.cell_px)));
+    cells[cell].push_back(&candidate->second);
+  }
+  std::vector<std::pair<std::size_t, const Candidate*>> places;
+  for (auto& [cell, members] : cells) {
+    std::ranges::sort(members, {}, [](const Candidate* c) { return rank(*c->landmark); });
+    for (std::size_t place = 0; place < members.size(); ++place) {
+      places.emplace_back(place, members[place]);
+    }
+  }
+  std::ranges::sort(places, {}, [](const auto& entry) {
+    return std::pair(entry.first, rank(*entry.second->landmark));
+  });
+  std::vector<const Candidate*> ordered;
+  ordered.reserve(places.size());
+  for (const auto& [place, candidate] : places) ordered.push_back(candidate);
+  return ordered;
+}
+
+}  // namespace
+
+std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
+                                      Images images,
+                                      std::span<const CandidateLandmark> landmarks) {
+  const Candidates candidates = candidates_in(selection, images, landmarks);
+  std::vector<int> room(images.size(), selection.max_per_keyframe);
+  std::set<LandmarkId> selected;
+  for (std::size_t image = images.size(); image-- > 0;) {
+    for (const Candidate* candidate : spread(selection, *images[image], candidates)) {
+      if (room[image] == 0) break;
+      if (selected.contains(candidate->landmark->id)) continue;
+      const auto has_room = [&room](std::size_t i) { return room[i] > 0; };
+      if (!std::ranges::all_of(candidate->seen_in, has_room)) continue;
+      for (const std::size_t i : candidate->seen_in) --room[i];
+      selected.insert(candidate->landmark->id);
+    }
+  }
+  return selected;
+}
+
+int reliable_landmarks(const LandmarkSelection& selection,
+                       std::span<const CandidateLandmark> landmarks) {
+  return static_cast<int>(std::ranges::count_if(landmarks, [&](const CandidateLandmark& landmark) {
+    return is_reliable(selection, landmark);
+  }));
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "robot/inertial/inertial_window.hpp"
+#include "robot/submap/landmark_selection.hpp"
+#include "robot/submap/sparsification.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/model/submap.hpp"
+
+namespace fleetloc {
+
+/// A keyframe of the odometry's window.
+struct SubmapInputKeyframe {
+  KeyframeId id{};
+  Timestamp stamp;
+  double tilt_sigma = 0.0;  ///< of roll and pitch, without what came from the cloud [rad]
+  std::vector<StereoObservation> observations;  ///< strictly increasing by landmark
+};
+
+/// The odometry's window after an optimization.
+struct SubmapInput {
+  InertialWindow inertial;                     ///< states of the same keyframes
+  std::vector<SubmapInputKeyframe> keyframes;  ///< oldest first, strictly increasing by id
+  std::vector<CandidateLandmark> landmarks;    ///< strictly increasing by id
+};
+
+/// Makes the paper's virtual observation out of each window of one session.
+class SubmapBuilder {
+ public:
+  struct Config {
+    InertialModel model;
+    /// An edge is final as soon as that many newer ones are in the window; it is repeated
+    /// unchanged from then on. As it slides through the window it would only get tighter.
+    int final_behind_edges;
+    /// Factor on the covariance of each edge: edges of a chain count as independent, and are not.
+    double edge_covariance_inflation;
+    bool use_tilt;
+    double tilt_floor_rad;
+    LandmarkSelection landmarks;
+  };
+
+  struct Diagnostics {
+    std::optional<SparsificationRefusal> refusal;  ///< no new edges
+    double kl_divergence = 0.0;  ///< of the dense distribution from the edges, not inflated [nat]
+    int reliable_landmarks = 0;  ///< whether there was room for them or not
+    int selected_landmarks = 0;
+  };
+
+  explicit SubmapBuilder(const Config& config);
+
+  /// Robot, session, epoch and number are left to whoever sends it. Revisions start at one, and
+  /// increase when an item differs from what it was in the submap before.
+  Submap build(const SubmapInput& input);
+
+  [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }
+
+ private:
+  struct SentEdge {
+    VirtualEdge edge;
+    bool final = false;
+  };
+  using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
+
+  void update_edges(const SubmapInput& input);
+  void update_edge(const EdgeKey& key, const RelativePose& relative, bool final);
+  void add_keyframes(const SubmapInput& input, Submap& submap);
+  [[nodiscard]] double tilt_sigma(const SubmapInputKeyframe& keyframe) const;
+  void forget_before(KeyframeId oldest);
+
+  Config config_;
+  std::map<KeyframeId, SubmapKeyframe> sent_keyframes_;
+  std::map<EdgeKey, SentEdge> sent_edges_;
+  Diagnostics diagnostics_;
+};
+
+/// Half a turn: the tilt_sigma of a keyframe whose tilt is not measured.
+inline constexpr double kUnknownTilt_rad = 3.14159;
+
+SubmapBuilder::Config read_submap_builder_config(ConfigReader section);
+
+}  // namespace fleetloc
