@@ -46,6 +46,13 @@ int Program::run(int argc, const char* const* argv, const std::function<Run()>& 
     run = prepare();
   } catch (const CLI::Success& success) {  // --help and the like
     return app_.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const auto unknown = app_.remaining(true);  // CLI11 complains of what is missing first
+    const bool missing = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
+    return report(
+        name_,
+        missing && !unknown.empty() ? "unknown argument " + unknown.front() : error.what(),
+        kCannotStart);
   } catch (const std::exception& error) {
     return report(name_, error.what(), kCannotStart);
   }

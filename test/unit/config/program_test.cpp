@@ -52,6 +52,12 @@ TEST(Program, RefusesAnUnknownOptionInOneLine) {
   EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1);
 }
 
+TEST(Program, NamesAnUnknownOptionEvenIfARequiredOneIsMissing) {
+  const Outcome outcome = run({"--mop", "b"});
+  EXPECT_EQ(outcome.exit_code, kCannotStart);
+  EXPECT_THAT(outcome.errors, HasSubstr("unknown argument --mop"));
+}
+
 TEST(Program, RefusesToStartWithoutARequiredOption) {
   const Outcome outcome = run({});
   EXPECT_EQ(outcome.exit_code, kCannotStart);

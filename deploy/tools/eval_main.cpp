@@ -1,0 +1,107 @@
+// fleetloc-eval: compares an estimate or a run with the ground truth.
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "deploy/tools/eval_run.hpp"
+#include "shared/config/program.hpp"
+#include "shared/trajectory/tum_file.hpp"
+
+namespace {
+
+using namespace fleetloc;
+
+struct Options {
+  std::string truth;
+  std::string estimate;
+  std::string run;
+  std::string alignment = "none";
+  bool json = false;
+};
+
+Trajectory read_poses(const std::string& file) {
+  Trajectory trajectory = read_trajectory(file);
+  if (trajectory.empty()) throw TrajectoryFileError(file + ": holds no poses");
+  return trajectory;
+}
+
+void print_row(const std::string& name, const nlohmann::json& statistics) {
+  std::cout << name;
+  for (const char* key : {"median", "mean", "rmse", "std", "max"}) {
+    std::cout << "  " << key << ' ' << statistics.at(key).get<double>();
+  }
+  std::cout << '\n';
+}
+
+int print(const nlohmann::json& evaluation, bool json) {
+  if (json) {
+    std::cout << evaluation.dump(2) << '\n';
+  } else {
+    std::cout << evaluation.at("poses") << " poses compared, " << evaluation.at("unmatched")
+              << " without ground truth\n";
+    print_row("translation [m]  ", evaluation.at("translation_m"));
+    print_row("rotation [deg]   ", evaluation.at("rotation_deg"));
+  }
+  return kSuccess;
+}
+
+int write(const nlohmann::json& evaluation, const std::string& run, bool json) {
+  const auto file = std::filesystem::path(run) / "evaluation.json";
+  std::ofstream stream(file);
+  stream << evaluation.dump(2) << '\n';
+  stream.close();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  if (json) {
+    std::cout << evaluation.dump(2) << '\n';
+    return kSuccess;
+  }
+  for (const char* key : {"ate", "rotation_deg", "odometry_ate", "odometry_rotation_deg"}) {
+    if (!evaluation.at(key).is_null()) print_row(key, evaluation.at(key));
+  }
+  std::cout << "coverage  " << evaluation.at("coverage") << "\nnees  map "
+            << evaluation.at("nees").at("map") << "  odom " << evaluation.at("nees").at("odom")
+            << '\n';
+  return kSuccess;
+}
+
+Alignment alignment_named(const std::string& name) {
+  if (name == "yaw") return Alignment::kYaw;
+  return name == "se3" ? Alignment::kSe3 : Alignment::kNone;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--ground-truth", options.truth, "TUM file, or EuRoC's data.csv")->required();
+  auto* estimate = app.add_option("--estimate", options.estimate, "TUM file");
+  app.add_option("--align", options.alignment, "none (default), yaw or se3")
+      ->check(CLI::IsMember({"none", "yaw", "se3"}))
+      ->needs(estimate);
+  app.add_option("--run", options.run, "run folder; evaluation.json is added to it")
+      ->excludes(estimate);
+  app.add_flag("--json", options.json, "Print JSON instead of a table");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Program program("fleetloc-eval", "Compares an estimate or a run with the ground truth.");
+  Options options;
+  add_options(program.options(), options);
+  return program.run(argc, argv, [&]() -> Program::Run {
+    if (options.estimate.empty() == options.run.empty()) {
+      throw std::invalid_argument("--estimate or --run is required");
+    }
+    const auto config = read_evaluation_config(program.config().section("evaluation"));
+    const Trajectory truth = read_poses(options.truth);
+    if (options.run.empty()) {
+      const Trajectory estimate = read_poses(options.estimate);
+      const Alignment alignment = alignment_named(options.alignment);
+      return [=] { return print(evaluate(truth, estimate, alignment, config), options.json); };
+    }
+    if (!std::filesystem::is_directory(options.run)) {
+      throw std::invalid_argument(options.run + ": no such folder");
+    }
+    return
+        [=] { return write(evaluate_run(options.run, truth, config), options.run, options.json); };
+  });
+}

@@ -1,0 +1,99 @@
+#include "deploy/tools/eval_run.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "deploy/tools/eval_diagnostics.hpp"
+#include "shared/trajectory/tum_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+/// Poses of an estimate that have both ground truth and covariance, as errors in the tangent space.
+nlohmann::json mean_nees(const std::vector<PosePair>& pairs,
+                         const Pose& T_truth_estimate,
+                         const std::vector<StampedCovariance>& covariances) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const PosePair& pair : pairs) {
+    const auto found =
+        std::ranges::lower_bound(covariances, pair.stamp, {}, &StampedCovariance::stamp);
+    if (found == covariances.end() || found->stamp != pair.stamp) continue;
+    const auto nees = nees_per_degree_of_freedom(
+        pair.T_truth_body, T_truth_estimate * pair.T_estimate_body, found->covariance);
+    if (!nees) continue;
+    sum += *nees;
+    ++count;
+  }
+  if (count == 0) return nullptr;
+  return sum / static_cast<double>(count);
+}
+
+nlohmann::json read_coverage(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) return nullptr;
+  try {
+    return nlohmann::json::parse(stream).value("coverage", nlohmann::json());
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
+}
+
+nlohmann::json errors_or_null(const std::vector<PosePair>& pairs,
+                              const Pose& T_truth_estimate,
+                              Statistics TrajectoryError::*which) {
+  if (pairs.empty()) return nullptr;
+  return to_json(absolute_trajectory_error(pairs, T_truth_estimate).*which);
+}
+
+}  // namespace
+
+EvaluationConfig read_evaluation_config(ConfigReader section) {
+  const std::chrono::duration<double> max_gap(section.positive("max_gap_s"));
+  return {.max_gap = std::chrono::duration_cast<Duration>(max_gap)};
+}
+
+nlohmann::json to_json(const Statistics& statistics) {
+  return {{"median", statistics.median},
+          {"mean", statistics.mean},
+          {"rmse", statistics.rmse},
+          {"std", statistics.std},
+          {"max", statistics.max}};
+}
+
+nlohmann::json evaluate(const Trajectory& truth,
+                        const Trajectory& estimate,
+                        Alignment alignment,
+                        const EvaluationConfig& config) {
+  const auto pairs = associate(truth, estimate, config.max_gap);
+  if (pairs.empty()) throw std::runtime_error("no pose of the estimate has ground truth");
+  const auto error = absolute_trajectory_error(pairs, align(pairs, alignment));
+  return {{"poses", pairs.size()},
+          {"unmatched", estimate.size() - pairs.size()},
+          {"translation_m", to_json(error.translation_m)},
+          {"rotation_deg", to_json(error.rotation_deg)}};
+}
+
+nlohmann::json evaluate_run(const std::filesystem::path& run,
+                            const Trajectory& truth,
+                            const EvaluationConfig& config) {
+  const auto map =
+      associate(truth, read_trajectory(run / "localization_frames.tum"), config.max_gap);
+  const auto odom = associate(truth, read_trajectory(run / "odometry.tum"), config.max_gap);
+  const RunCovariances covariances = read_covariances(run / "diagnostics.csv");
+  const Pose T_truth_odom = align(odom, Alignment::kSe3);
+  return {
+      {"ate", errors_or_null(map, {}, &TrajectoryError::translation_m)},
+      {"rotation_deg", errors_or_null(map, {}, &TrajectoryError::rotation_deg)},
+      {"odometry_ate", errors_or_null(odom, T_truth_odom, &TrajectoryError::translation_m)},
+      {"odometry_rotation_deg", errors_or_null(odom, T_truth_odom, &TrajectoryError::rotation_deg)},
+      {"coverage", read_coverage(run / "summary.json")},
+      {"nees",
+       {{"map", mean_nees(map, {}, covariances.map)},
+        {"odom", mean_nees(odom, align_first(odom), covariances.odom)}}}};
+}
+
+}  // namespace fleetloc
