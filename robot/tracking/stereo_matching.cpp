@@ -8,7 +8,7 @@ namespace fleetloc {
 namespace {
 
 constexpr int kSearchLevel = 2;   // of the pyramid
-constexpr int kSearchRadius = 4;  // of the patch, at that level [px]
+constexpr int kSearchRadius = 3;  // of the patch, at that level [px]
 constexpr int kSide = 2 * kSearchRadius + 1;
 using Patch = std::array<float, static_cast<std::size_t>(kSide) * kSide>;
 
@@ -41,6 +41,16 @@ std::optional<Patch> normalized_patch(const cv::Mat& image, const cv::Point2f& p
   return patch;
 }
 
+/// The nearest pixel around which there is a whole patch; at the image's border not `pixel` itself.
+cv::Point2f to_patch_center(const cv::Mat& image, const cv::Point2f& pixel, int level) {
+  const auto scale = static_cast<float>(1 << level);
+  const auto clamped = [scale](float value, int size) {
+    const float last = static_cast<float>(std::max(size - 1 - kSearchRadius, kSearchRadius));
+    return std::clamp(value, scale * kSearchRadius, scale * last);
+  };
+  return {clamped(pixel.x, image.cols), clamped(pixel.y, image.rows)};
+}
+
 }  // namespace
 
 StereoMatchingConfig read_stereo_matching_config(ConfigReader section) {
@@ -67,7 +77,8 @@ double StereoMatcher::search(const ImagePyramid& left,
                              const ImagePyramid& right,
                              const StereoQuery& query) const {
   const int level = std::min({kSearchLevel, left.levels(), right.levels()});
-  const auto wanted = normalized_patch(left.image(level), query.left, level);
+  const cv::Point2f inwards = to_patch_center(left.image(level), query.left, level) - query.left;
+  const auto wanted = normalized_patch(left.image(level), query.left + inwards, level);
   if (!wanted) return 0.0;
   const double step_px = 1 << level;
   double best_disparity = 0.0;
@@ -75,7 +86,7 @@ double StereoMatcher::search(const ImagePyramid& left,
   for (double disparity = 0.5 * step_px; disparity < most_disparity_px_; disparity += step_px) {
     const auto pixel = right_camera_.distort(query.rectified - Eigen::Vector2d(disparity, 0.0));
     if (!pixel) continue;
-    const auto patch = normalized_patch(right.image(level), *pixel, level);
+    const auto patch = normalized_patch(right.image(level), *pixel + inwards, level);
     if (!patch) continue;
     float correlation = 0.0F;
     for (std::size_t i = 0; i < patch->size(); ++i) correlation += (*patch)[i] * (*wanted)[i];
