@@ -1,5 +1,6 @@
 #include "robot/fusion/map_alignment.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -44,10 +45,11 @@ std::string_view name(AnswerOutcome outcome) {
 
 MapAlignment::MapAlignment(const Config& config) : config_(config), rivals_(config.rivals) {}
 
-void MapAlignment::drift(const Matrix6d& covariance) {
+void MapAlignment::drift(const DriftStep& step) {
   if (last_applied_) {
-    P_.topLeftCorner<6, 6>() += covariance;
-    rivals_.drift(covariance);
+    P_.topLeftCorner<6, 6>() += step.covariance;
+    metres_since_error_ += step.metres;
+    rivals_.drift(step.covariance);
   }
 }
 
@@ -81,6 +83,7 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
   update<2>(-tilt.value, H, R);
   map_hash_ = answer.map_hash;
   error_stamp_ = answer.stamp;
+  metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
   rivals_.clear();
   return true;
@@ -89,12 +92,15 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
 void MapAlignment::age_error(Timestamp stamp) {
   const double dt = to_seconds(stamp - error_stamp_);
   assert(dt >= 0.0);
-  const double rho = std::exp(-dt / config_.correlation_time_s);
+  const double faded = std::min(dt / config_.correlation_time_s,
+                                metres_since_error_ / config_.correlation_distance_m);
+  const double rho = std::exp(-faded);
   error_ *= rho;
   P_.rightCols<6>() *= rho;
   P_.bottomRows<6>() *= rho;
   P_.diagonal().tail<6>().array() += 1.0 - rho * rho;
   error_stamp_ = stamp;
+  metres_since_error_ = 0.0;
 }
 
 // Joseph's form. The change of the tangent space by the correction is left out (second order).
@@ -140,9 +146,10 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
 MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   MapAlignment::Config config;
   config.correlation_time_s = section.positive("correlation_time_s");
+  config.correlation_distance_m = section.positive("correlation_distance_m");
   config.noise.white_share = section.positive("white_share");
   if (config.noise.white_share > 1.0) {
-    throw ConfigError("fusion.answers.white_share must be at most 1");
+    throw ConfigError("fusion.answers.white_share: must be at most 1");
   }
   config.noise.clone_rotation = kRadians * section.positive("clone_rotation_deg");
   config.noise.clone_translation = section.positive("clone_translation_m");

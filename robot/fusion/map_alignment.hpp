@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "robot/fusion/answer_measurement.hpp"
+#include "robot/fusion/odometry_drift.hpp"
 #include "robot/fusion/rival_alignments.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/model/session.hpp"
@@ -32,7 +33,10 @@ std::string_view name(AnswerOutcome outcome);
 class MapAlignment {
  public:
   struct Config {
-    double correlation_time_s = 0.0;    ///< of u
+    /// Of u: it fades with time, but no faster than new surroundings come into view, so that a
+    /// robot at rest does not take the same error for many.
+    double correlation_time_s = 0.0;
+    double correlation_distance_m = 0.0;
     double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
     double map_tilt = 0.0;              ///< sigma of roll and pitch of T_map_odom [rad]
     double tilt_gate_chi_square = 0.0;  ///< 2 degrees of freedom
@@ -42,7 +46,7 @@ class MapAlignment {
   explicit MapAlignment(const Config& config);
 
   /// T_map_odom becomes more uncertain (right perturbation), the mean stays.
-  void drift(const Matrix6d& covariance);
+  void drift(const DriftStep& step);
 
   AnswerOutcome apply(const AnswerMeasurement& answer);
 
@@ -66,6 +70,7 @@ class MapAlignment {
   MapHash map_hash_{};
   std::optional<Timestamp> last_applied_;
   Timestamp error_stamp_;  ///< of u
+  double metres_since_error_ = 0.0;
   Pose T_map_odom_;
   Vector6d error_ = Vector6d::Zero();  ///< u
   Matrix12d P_ = Matrix12d::Zero();

@@ -22,24 +22,26 @@ Eigen::Vector4d OdometryDrift::growth(const OdometryEstimate& estimate) {
   return grown;
 }
 
-Matrix6d OdometryDrift::step(const OdometryEstimate& estimate) {
+DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
   const Pose& T_odom_body = estimate.state.T_odom_body;
   const Eigen::Vector4d claimed = config_.covariance_share * growth(estimate);
-  Matrix6d Q = Matrix6d::Zero();
+  DriftStep result;
   if (last_T_odom_body_) {
-    const double metres = (T_odom_body.p - last_T_odom_body_->p).norm();
+    result.metres = (T_odom_body.p - last_T_odom_body_->p).norm();
     const double radians = log_so3(last_T_odom_body_->R.conjugate() * T_odom_body.R).norm();
     const auto square = [](double x) { return x * x; };
-    Q.diagonal().head<2>().setConstant(square(config_.tilt) * metres);
-    Q(2, 2) = square(config_.yaw) * metres + square(config_.yaw_by_rotation) * radians + claimed(3);
+    Matrix6d Q = Matrix6d::Zero();
+    Q.diagonal().head<2>().setConstant(square(config_.tilt) * result.metres);
+    Q(2, 2) = square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians +
+              claimed(3);
     Q.diagonal().tail<3>() =
-        claimed.head<3>() + Eigen::Vector3d::Constant(square(config_.translation) * metres);
+        claimed.head<3>() + Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
     // So far at the body, in odom axes. T_map_odom turns about the body, not about the origin.
     const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), T_odom_body.p});
-    Q = A * Q * A.transpose();
+    result.covariance = A * Q * A.transpose();
   }
   last_T_odom_body_ = T_odom_body;
-  return Q;
+  return result;
 }
 
 OdometryDrift::Config read_odometry_drift_config(ConfigReader section) {

@@ -7,6 +7,12 @@
 
 namespace fleetloc {
 
+/// What happens to T_map_odom from one estimate of the odometry to the next.
+struct DriftStep {
+  Matrix6d covariance = Matrix6d::Zero();  ///< that it accrues, right perturbation
+  double metres = 0.0;                     ///< travelled
+};
+
 /// How uncertain T_map_odom becomes as the odometry goes on: a random walk whose steps grow with
 /// the distance and the rotation travelled, and with the covariance that the odometry claims.
 /// Gravity holds roll and pitch of `odom`, so nearly all drift of the rotation is about its z.
@@ -21,9 +27,8 @@ class OdometryDrift {
   };
   explicit OdometryDrift(const Config& config);
 
-  /// Covariance (right perturbation of T_map_odom) that accrues from the last estimate given here
-  /// to this one; zero for the first.
-  Matrix6d step(const OdometryEstimate& estimate);
+  /// From the last estimate given here to this one; zero for the first.
+  DriftStep step(const OdometryEstimate& estimate);
 
  private:
   /// Variances of [x, y, z, yaw] in odom axes. Only a new maximum counts as growth, so that

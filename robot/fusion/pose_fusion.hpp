@@ -97,7 +97,7 @@ class PoseFusion {
   };
   struct Frame {
     OdometryEstimate odometry;
-    Matrix6d drift;  ///< of T_map_odom since the frame before
+    DriftStep drift;  ///< since the frame before
     std::optional<StoredAnswer> answer;
   };
 

@@ -14,6 +14,11 @@ namespace {
 
 constexpr double kEnd = 28.0;  // within the buffer
 
+// Tilted as little as the answers err in the batch test.
+Pose nearly_level_T_map_odom() {
+  return {exp_so3({2e-5, -1e-5, 0.8}), {10.0, -4.0, 1.5}};
+}
+
 Vector6d random_vector(std::mt19937& generator, double sigma) {
   std::normal_distribution<double> normal(0.0, sigma);
   return Vector6d::NullaryExpr([&] { return normal(generator); });
@@ -37,7 +42,7 @@ std::vector<Arrival> some_arrivals(std::mt19937& generator, double error_sigma) 
   for (int tenths = 10; tenths < 250; tenths += interval(generator)) {
     const double t = 0.1 * tenths;
     const Pose T_map_body =
-        retract(true_T_map_odom() * drive.pose(t), random_vector(generator, error_sigma));
+        retract(nearly_level_T_map_odom() * drive.pose(t), random_vector(generator, error_sigma));
     arrivals.push_back({std::min(kEnd, t + delay(generator)), answer(t, T_map_body)});
   }
   return arrivals;
@@ -101,7 +106,7 @@ class Batch {
     }
   }
   void add_tilt() {
-    const Eigen::Vector3d up = true_T_map_odom().R.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d up = nearly_level_T_map_odom().R.conjugate() * Eigen::Vector3d::UnitZ();
     const Eigen::Matrix<double, 2, 3> J = hat(up).topRows<2>();
     const double weight = 1.0 / (config_.answers.map_tilt * config_.answers.map_tilt);
     information_.topLeftCorner<3, 3>() += weight * J.transpose() * J;
@@ -112,7 +117,7 @@ class Batch {
     OdometryDrift model(config_.drift);
     Matrix6d sum = Matrix6d::Zero();
     for (int i = 0; at(0.1 * i) <= to; ++i) {
-      const Matrix6d Q = model.step(odometry(0.1 * i, drive.state(0.1 * i)));
+      const Matrix6d Q = model.step(odometry(0.1 * i, drive.state(0.1 * i))).covariance;
       sum += at(0.1 * i) > from ? Q : Matrix6d::Zero().eval();
     }
     return sum;
@@ -131,7 +136,7 @@ class Batch {
     const Matrix6d J_error = std::sqrt(1.0 - noise.white_share) * A.transpose() * root_map;
     add(noise.white_share * now.covariance + clone_covariance(noise),
         {{12 * k, adjoint(inverse(T_odom_body))}, {12 * k + 6, J_error}},
-        local_coordinates(true_T_map_odom() * T_odom_body, now.T_map_body));
+        local_coordinates(nearly_level_T_map_odom() * T_odom_body, now.T_map_body));
   }
 
   PoseFusion::Config config_;
@@ -157,12 +162,12 @@ TEST(LateAnswers, GiveTheBatchSolution) {
     const std::vector<Arrival> arrivals = some_arrivals(generator, kErrorSigma);
     const StartPose result = fuse(arrivals, config);
     const Batch batch(arrivals, config);
-    const Vector6d d = local_coordinates(true_T_map_odom(), result.T_map_odom);
-    EXPECT_LT((d - batch.d_last()).norm(), 1e-2 * batch.d_last().norm())
+    const Vector6d d = local_coordinates(nearly_level_T_map_odom(), result.T_map_odom);
+    EXPECT_LT((d - batch.d_last()).norm(), 1e-3 * batch.d_last().norm())
         << d.transpose() << "\n"
         << batch.d_last().transpose();
     EXPECT_LT((result.covariance - batch.covariance_last()).norm(),
-              1e-3 * batch.covariance_last().norm());
+              1e-4 * batch.covariance_last().norm());
   }
 }
 

@@ -19,7 +19,7 @@ Matrix6d drift_over(OdometryDrift& drift, int steps, const Pose& T_step) {
   Matrix6d sum = Matrix6d::Zero();
   OdometryEstimate estimate;
   for (int i = 0; i <= steps; ++i) {
-    sum += drift.step(estimate);
+    sum += drift.step(estimate).covariance;
     estimate.state.T_odom_body = estimate.state.T_odom_body * T_step;
   }
   return sum;
@@ -56,7 +56,7 @@ TEST(OdometryDrift, TurnsAboutTheBody) {
   estimate.state.T_odom_body.p = {1000.0, 0.0, 0.0};
   drift.step(estimate);
   estimate.state.T_odom_body.p = {1001.0, 0.0, 0.0};
-  const Matrix6d Q = drift.step(estimate);
+  const Matrix6d Q = drift.step(estimate).covariance;
   const Matrix6d A = adjoint(inverse(estimate.state.T_odom_body));
   const Matrix6d Q_body = A * Q * A.transpose();
   EXPECT_NEAR(Q_body(4, 4), 1e-4, 1e-9);
@@ -69,7 +69,7 @@ TEST(OdometryDrift, CountsOnlyNewMaximaOfTheOdometrysVariance) {
   Matrix6d sum = Matrix6d::Zero();
   for (const double variance : {0.01, 0.03, 0.02, 0.03, 0.05, 0.01}) {
     estimate.covariance(5, 5) = variance;
-    sum += drift.step(estimate);
+    sum += drift.step(estimate).covariance;
   }
   EXPECT_NEAR(sum(5, 5), 0.04, 1e-12);
 }

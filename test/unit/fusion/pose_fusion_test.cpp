@@ -104,6 +104,24 @@ TEST(PoseFusion, MapCovarianceGrowsWithTheDistanceSinceTheAnswer) {
   EXPECT_GT(later, soon + 3 * 1e-4 * 37.0);
 }
 
+// Many answers from one place repeat the same error; on the way they are new ones.
+TEST(PoseFusion, LearnsLittleFromRepeatedAnswersAtRest) {
+  PoseFusion::Config config = fusion_config();
+  config.drift = {.translation = 1e-6, .yaw = 1e-6, .yaw_by_rotation = 1e-6, .tilt = 1e-6};
+  const auto variance_after_answers = [&config](double speed) {
+    FedFusion fed(config);
+    fed.drive.speed = speed;
+    for (int i = 1; i < 100; ++i) {
+      fed.drive_to(1.0 * i + 0.5);
+      EXPECT_TRUE(fed.answer_at(1.0 * i).applied);
+    }
+    return fed.output.covariance_map.bottomRightCorner<3, 3>().trace();
+  };
+  const double one_answer = answer_covariance().bottomRightCorner<3, 3>().trace();
+  EXPECT_GT(variance_after_answers(0.0), 0.85 * one_answer);
+  EXPECT_LT(variance_after_answers(1.0), 0.5 * one_answer);
+}
+
 TEST(PoseFusion, QualityFollowsTheAgeOfTheLastAnswer) {
   FedFusion fed;
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
@@ -185,6 +203,12 @@ TEST(PoseFusion, ANewerRevisionReplacesTheAnswer) {
   EXPECT_TRUE(
       identical(fed.fusion.start_pose()->T_map_odom, only_newer.fusion.start_pose()->T_map_odom));
   EXPECT_EQ(fed.fusion.start_pose()->covariance, only_newer.fusion.start_pose()->covariance);
+}
+
+TEST(PoseFusion, RefusesAConfigurationWithMoreThanWhiteNoise) {
+  auto reader = ConfigReader::from_string(default_config("robot"));
+  reader.overlay(ConfigReader::from_string("fusion: {answers: {white_share: 1.1}}"));
+  EXPECT_THROW(read_pose_fusion_config(reader.section("fusion")), ConfigError);
 }
 
 TEST(PoseFusion, ResetForgetsTheOldSession) {
