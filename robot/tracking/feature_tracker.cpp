@@ -127,6 +127,7 @@ void FeatureTracker::keep_rigid(std::vector<Track> followed,
   }
   diagnostics_.rejected_by_motion =
       static_cast<int>(std::count(motion.inliers.begin(), motion.inliers.end(), false));
+  diagnostics_.motion_error_px = median(motion.distances_px);
   translation_m_ = motion.has_translation ? motion.T_current_previous.p : Eigen::Vector3d::Zero();
 }
 

@@ -18,12 +18,13 @@ namespace fleetloc {
 
 /// What became of the features of one frame.
 struct TrackingDiagnostics {
-  int followed = 0;            ///< from the last left image, and found again on the way back
-  int lost = 0;                ///< not so
-  int rejected_by_motion = 0;  ///< of those followed: did not move as the scene did
-  int detected = 0;            ///< new
-  int with_disparity = 0;      ///< of all
-  double row_error_px = 0.0;   ///< median |difference| of left and right rectified row
+  int followed = 0;              ///< from the last left image, and found again on the way back
+  int lost = 0;                  ///< not so
+  int rejected_by_motion = 0;    ///< of those followed: did not move as the scene did
+  int detected = 0;              ///< new
+  int with_disparity = 0;        ///< of all
+  double row_error_px = 0.0;     ///< median |difference| of left and right rectified row
+  double motion_error_px = 0.0;  ///< median distance from where the scene's motion puts a feature
 };
 
 /// Follows point features through the images of a stereo camera. Deterministic; programs that

@@ -214,7 +214,8 @@ CheckedMotion check_motion(const std::vector<Correspondence>& correspondences,
       problem.with_depth.size() >= static_cast<std::size_t>(config.least_points);
   const Pose T = result.has_translation ? estimate_motion(problem) : search_direction(problem);
   for (const auto& c : correspondences) {
-    result.inliers.push_back(distance(problem, c, T, result.has_translation) < config.inlier_px);
+    result.distances_px.push_back(distance(problem, c, T, result.has_translation));
+    result.inliers.push_back(result.distances_px.back() < config.inlier_px);
   }
   result.T_current_previous = T;
   return result;

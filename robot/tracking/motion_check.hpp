@@ -29,9 +29,10 @@ struct Correspondence {
 };
 
 struct CheckedMotion {
-  std::vector<bool> inliers;     ///< one per correspondence
-  Pose T_current_previous;       ///< of the rectified left camera
-  bool has_translation = false;  ///< false: only its rotation means anything, and is the prediction
+  std::vector<bool> inliers;         ///< one per correspondence
+  std::vector<double> distances_px;  ///< from where the motion puts it, one per correspondence
+  Pose T_current_previous;           ///< of the rectified left camera
+  bool has_translation = false;      ///< false: only its rotation means anything, the predicted one
 };
 
 /// Finds the points that move as a rigid scene does (RANSAC with a fixed seed). Points with a
