@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <random>
 #include <vector>
 
@@ -9,14 +8,11 @@
 
 namespace fleetloc {
 
-/// What a simulated odometry believes of velocity and biases: the truth with errors that keep
-/// their variance, and are correlated in time like those of a window that slides.
+/// How wrong a simulated odometry is: independent errors of velocity and biases in each state.
 struct SimulatedOdometry {
-  double velocity_sigma = 0.02;         ///< [m/s]
-  double gyroscope_sigma = 1e-3;        ///< [rad/s]
-  double accelerometer_sigma = 2e-2;    ///< [m/s^2]
-  double velocity_correlation_s = 0.0;  ///< time constant of a Gauss-Markov process
-  double bias_correlation_s = 0.0;
+  double velocity_sigma = 0.02;       ///< [m/s]
+  double gyroscope_sigma = 1e-3;      ///< [rad/s]
+  double accelerometer_sigma = 2e-2;  ///< [m/s^2]
 
   [[nodiscard]] Matrix9d covariance() const {
     Vector9d sigma;
@@ -53,22 +49,12 @@ class SimulatedKeyframes {
     const auto draw = [&](double sigma) {
       return Eigen::Vector3d(Eigen::Vector3d::NullaryExpr([&] { return sigma * normal(random); }));
     };
-    const double dt = to_seconds(kKeyframeInterval);
-    const auto kept = [dt](double time) { return time > 0.0 ? std::exp(-dt / time) : 0.0; };
-    NavState error;  // of velocity and biases
     for (int k = 0; k < count; ++k) {
-      const double v = k == 0 ? 0.0 : kept(odometry.velocity_correlation_s);
-      const double b = k == 0 ? 0.0 : kept(odometry.bias_correlation_s);
-      error.v_odom = v * error.v_odom + draw(std::sqrt(1 - v * v) * odometry.velocity_sigma);
-      error.bias.gyroscope =
-          b * error.bias.gyroscope + draw(std::sqrt(1 - b * b) * odometry.gyroscope_sigma);
-      error.bias.accelerometer =
-          b * error.bias.accelerometer + draw(std::sqrt(1 - b * b) * odometry.accelerometer_sigma);
       truth_.push_back(run.truth(keyframe_stamp(k)));
       NavState state = truth_.back();
-      state.v_odom += error.v_odom;
-      state.bias.gyroscope += error.bias.gyroscope;
-      state.bias.accelerometer += error.bias.accelerometer;
+      state.v_odom += draw(odometry.velocity_sigma);
+      state.bias.gyroscope += draw(odometry.gyroscope_sigma);
+      state.bias.accelerometer += draw(odometry.accelerometer_sigma);
       states_.push_back(state);
       if (k > 0) {
         between_.emplace_back(run.imu(keyframe_stamp(k - 1), keyframe_stamp(k)),
