@@ -12,12 +12,14 @@ namespace fleetloc {
 namespace {
 
 constexpr Eigen::Index kPoseSize = 7;
-constexpr double kUnknown = 1e-12;  // ratio of eigenvalues
+constexpr double kUnknown = 1e-12;   // ratio of eigenvalues
+constexpr double kRoundOff = 1e-14;  // of a diagonal's largest element
 
-// D with ones on the diagonal of D H D, zeros where H has none.
+// D with ones on the diagonal of D H D, zeros where H has nothing but round-off.
 Eigen::VectorXd diagonal_scale(const Eigen::MatrixXd& H) {
+  const double least = kRoundOff * H.diagonal().maxCoeff();
   return H.diagonal().unaryExpr(
-      [](double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; });
+      [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ NavState state_of(const GraphKeyframe& keyframe) {
 }
 
 ResidualBlock block_of(const GraphFactor& factor, const ceres::LossFunction* loss) {
-  return {factor.cost.get(), loss, {factor.parameters.begin(), factor.parameters.end()}};
+  return {factor.cost.get(), loss, factor.parameters};
 }
 
 ResidualBlock block_of(const MarginalizationPrior& prior) {

@@ -54,7 +54,7 @@ const StereoObservation* find_observation(const std::vector<StereoObservation>& 
 /// One term of the cost; the parameters stand in the graph.
 struct GraphFactor {
   std::unique_ptr<ceres::CostFunction> cost;
-  std::vector<double*> parameters;
+  std::vector<const double*> parameters;
 };
 
 /// A reprojection error and where it comes from.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <unordered_map>
 
 #include <Eigen/Cholesky>
 #include <ceres/problem.h>
@@ -35,38 +36,70 @@ ceres::Solver::Options solver_options(int iterations) {
   return options;
 }
 
-void add_states(ceres::Problem& problem,
-                WindowGraph& graph,
-                ceres::Manifold* manifold,
-                ceres::ParameterBlockOrdering& ordering) {
-  for (GraphKeyframe& keyframe : graph.keyframes) {
-    problem.AddParameterBlock(keyframe.pose.data(), 7, manifold);
-    problem.AddParameterBlock(keyframe.speed_bias.data(), 9);
-    ordering.AddElementToGroup(keyframe.pose.data(), 1);
-    ordering.AddElementToGroup(keyframe.speed_bias.data(), 1);
-  }
-  for (auto& [id, landmark] : graph.landmarks) {
-    if (landmark.takes_part()) {
-      problem.AddParameterBlock(landmark.p_odom.data(), 3);
-      ordering.AddElementToGroup(landmark.p_odom.data(), 0);
-    }
-  }
-}
-
-// The states that a prior speaks of, as Ceres wants them: it may write to them.
-std::vector<double*> states_of_prior(WindowGraph& graph) {
-  std::vector<double*> states;
-  for (const PriorState& state : graph.prior->states()) {
-    for (GraphKeyframe& keyframe : graph.keyframes) {
-      for (double* values : {keyframe.pose.data(), keyframe.speed_bias.data()}) {
-        if (values == state.values) {
-          states.push_back(values);
-        }
+// A copy of all unknowns in one piece, in an order of its own. Ceres orders what it eliminates by
+// address, so that the sums of a run, and their rounding, would otherwise depend on the heap.
+class ContiguousStates {
+ public:
+  explicit ContiguousStates(WindowGraph& graph) {
+    for (auto& [id, landmark] : graph.landmarks) {
+      if (landmark.takes_part()) {
+        add(landmark.p_odom.data(), landmark.p_odom.size());
       }
     }
+    landmarks_ = blocks_.size();
+    for (GraphKeyframe& keyframe : graph.keyframes) {
+      add(keyframe.pose.data(), keyframe.pose.size());
+      add(keyframe.speed_bias.data(), keyframe.speed_bias.size());
+    }
+    for (const Block& block : blocks_) {
+      std::copy_n(block.original, block.size, values_.data() + block.offset);
+    }
   }
-  return states;
-}
+
+  void add_to(ceres::Problem& problem,
+              ceres::Manifold* pose_manifold,
+              ceres::ParameterBlockOrdering& ordering) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      double* copy = values_.data() + blocks_[i].offset;
+      problem.AddParameterBlock(
+          copy,
+          static_cast<int>(blocks_[i].size),
+          blocks_[i].size == PoseParameters{}.size() ? pose_manifold : nullptr);
+      ordering.AddElementToGroup(copy, i < landmarks_ ? 0 : 1);
+    }
+  }
+
+  std::vector<double*> copies_of(const std::vector<const double*>& originals) {
+    std::vector<double*> copies;
+    for (const double* original : originals) {
+      copies.push_back(values_.data() + offset_.at(original));
+    }
+    return copies;
+  }
+
+  void write_back() const {
+    for (const Block& block : blocks_) {
+      std::copy_n(values_.data() + block.offset, block.size, block.original);
+    }
+  }
+
+ private:
+  struct Block {
+    double* original = nullptr;
+    std::size_t size = 0;
+    std::size_t offset = 0;
+  };
+  void add(double* original, std::size_t size) {
+    offset_[original] = values_.size();
+    blocks_.push_back({original, size, values_.size()});
+    values_.resize(values_.size() + size);
+  }
+
+  std::vector<double> values_;
+  std::vector<Block> blocks_;
+  std::size_t landmarks_ = 0;                              // of the blocks, the first ones
+  std::unordered_map<const double*, std::size_t> offset_;  // looked up only
+};
 
 double squared_error(const GraphFactor& factor) {
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();  // of two rows if mono
@@ -94,22 +127,29 @@ WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& conf
   PoseManifold manifold;
   ceres::HuberLoss huber(config.huber_sigmas);
 
+  ContiguousStates states(graph);
   ceres::Problem problem(problem_options());
   ceres::Solver::Options options = solver_options(config.iterations);
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  add_states(problem, graph, &manifold, *options.linear_solver_ordering);
-  problem.AddResidualBlock(&gauge, nullptr, graph.keyframes.front().pose.data());
+  states.add_to(problem, &manifold, *options.linear_solver_ordering);
+  const auto add = [&](ceres::CostFunction& cost,
+                       ceres::LossFunction* loss,
+                       const std::vector<const double*>& parameters) {
+    problem.AddResidualBlock(&cost, loss, states.copies_of(parameters));
+  };
+  add(gauge, nullptr, {graph.keyframes.front().pose.data()});
   if (graph.prior != nullptr) {
-    problem.AddResidualBlock(graph.prior.get(), nullptr, states_of_prior(graph));
+    add(*graph.prior, nullptr, block_of(*graph.prior).parameters);
   }
   for (const GraphFactor& factor : inertial) {
-    problem.AddResidualBlock(factor.cost.get(), nullptr, factor.parameters);
+    add(*factor.cost, nullptr, factor.parameters);
   }
   for (const VisualFactor& factor : visual) {
-    problem.AddResidualBlock(factor.factor.cost.get(), &huber, factor.factor.parameters);
+    add(*factor.factor.cost, &huber, factor.factor.parameters);
   }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
+  states.write_back();
 
   WindowDiagnostics diagnostics;
   diagnostics.initial_cost = summary.initial_cost;
