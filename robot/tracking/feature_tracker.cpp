@@ -92,7 +92,7 @@ void FeatureTracker::follow_tracks(const ImagePyramid& left,
     points.push_back(track.left);
     starts.push_back(predict_pixel(track, prediction));
   }
-  const auto moved = follow(left_, left, points, starts, config_.flow, config_.flow.levels);
+  const auto moved = follow(left_, left, points, starts, config_.flow);
   std::vector<Track> followed;
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {

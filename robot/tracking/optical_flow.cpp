@@ -13,8 +13,7 @@ std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
                                         const ImagePyramid& to,
                                         const std::vector<cv::Point2f>& points,
                                         std::vector<cv::Point2f>& moved,
-                                        const OpticalFlowConfig& config,
-                                        int levels) {
+                                        const OpticalFlowConfig& config) {
   std::vector<unsigned char> found;
   const cv::TermCriteria criteria(
       cv::TermCriteria::COUNT | cv::TermCriteria::EPS, config.iterations, config.converged_px);
@@ -25,7 +24,7 @@ std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
                            found,
                            cv::noArray(),
                            cv::Size(config.window_px, config.window_px),
-                           levels,
+                           config.levels,
                            criteria,
                            cv::OPTFLOW_USE_INITIAL_FLOW,
                            kLeastTexture);
@@ -35,6 +34,21 @@ std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
 bool is_inside(const cv::Point2f& point, const cv::Mat& image) {
   return point.x >= 0.0F && point.y >= 0.0F && point.x <= static_cast<float>(image.cols - 1) &&
          point.y <= static_cast<float>(image.rows - 1);
+}
+
+std::vector<std::optional<cv::Point2f>> follow_once(const ImagePyramid& from,
+                                                    const ImagePyramid& to,
+                                                    const std::vector<cv::Point2f>& points,
+                                                    const std::vector<cv::Point2f>& start,
+                                                    const OpticalFlowConfig& config) {
+  std::vector<std::optional<cv::Point2f>> result(points.size());
+  if (points.empty()) return result;
+  std::vector<cv::Point2f> moved = start;
+  const auto found = lucas_kanade(from, to, points, moved, config);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (found[i] != 0 && is_inside(moved[i], to.image())) result[i] = moved[i];
+  }
+  return result;
 }
 
 }  // namespace
@@ -56,29 +70,12 @@ const cv::Mat& ImagePyramid::image(int level) const {
   return images_and_gradients_[2 * static_cast<std::size_t>(level)];
 }
 
-std::vector<std::optional<cv::Point2f>> follow_once(const ImagePyramid& from,
-                                                    const ImagePyramid& to,
-                                                    const std::vector<cv::Point2f>& points,
-                                                    const std::vector<cv::Point2f>& start,
-                                                    const OpticalFlowConfig& config,
-                                                    int levels) {
-  std::vector<std::optional<cv::Point2f>> result(points.size());
-  if (points.empty()) return result;
-  std::vector<cv::Point2f> moved = start;
-  const auto found = lucas_kanade(from, to, points, moved, config, levels);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (found[i] != 0 && is_inside(moved[i], to.image())) result[i] = moved[i];
-  }
-  return result;
-}
-
 std::vector<std::optional<cv::Point2f>> follow(const ImagePyramid& from,
                                                const ImagePyramid& to,
                                                const std::vector<cv::Point2f>& points,
                                                const std::vector<cv::Point2f>& start,
-                                               const OpticalFlowConfig& config,
-                                               int levels) {
-  auto result = follow_once(from, to, points, start, config, levels);
+                                               const OpticalFlowConfig& config) {
+  auto result = follow_once(from, to, points, start, config);
   std::vector<std::size_t> indices;
   std::vector<cv::Point2f> moved;
   std::vector<cv::Point2f> origins;
@@ -88,7 +85,9 @@ std::vector<std::optional<cv::Point2f>> follow(const ImagePyramid& from,
     moved.push_back(*result[i]);
     origins.push_back(points[i]);
   }
-  const auto back = follow_once(to, from, moved, origins, config, 0);
+  OpticalFlowConfig way_back = config;
+  way_back.levels = 0;
+  const auto back = follow_once(to, from, moved, origins, way_back);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const bool same = back[k] && cv::norm(*back[k] - origins[k]) <= config.round_trip_px;
     if (!same) result[indices[k]].reset();

@@ -40,21 +40,11 @@ class ImagePyramid {
 /// Where the surroundings of `points` in `from` lie in `to` (Lucas and Kanade, pyramidal), one
 /// result per point; nothing for a point that gets lost, or is not found again on the way back.
 ///
-/// @param start   about where they lie; one per point
-/// @param levels  of the pyramids to use: errors of the start up to window_px / 2 * 2^levels
+/// @param start  about where they lie, one per point; wrong by up to window_px / 2 * 2^levels
 std::vector<std::optional<cv::Point2f>> follow(const ImagePyramid& from,
                                                const ImagePyramid& to,
                                                const std::vector<cv::Point2f>& points,
                                                const std::vector<cv::Point2f>& start,
-                                               const OpticalFlowConfig& config,
-                                               int levels);
-
-/// The same without the way back.
-std::vector<std::optional<cv::Point2f>> follow_once(const ImagePyramid& from,
-                                                    const ImagePyramid& to,
-                                                    const std::vector<cv::Point2f>& points,
-                                                    const std::vector<cv::Point2f>& start,
-                                                    const OpticalFlowConfig& config,
-                                                    int levels);
+                                               const OpticalFlowConfig& config);
 
 }  // namespace fleetloc

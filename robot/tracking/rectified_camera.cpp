@@ -1,11 +1,13 @@
 #include "robot/tracking/rectified_camera.hpp"
 
+#include <utility>
+
 namespace fleetloc {
 
-RectifiedCamera::RectifiedCamera(const Camera& camera,
+RectifiedCamera::RectifiedCamera(Camera camera,
                                  const Eigen::Quaterniond& R_body_cam,
                                  const RectifiedStereo& stereo)
-    : camera_(camera),
+    : camera_(std::move(camera)),
       R_rectified_cam_(stereo.T_body_cam0.R.conjugate() * R_body_cam),
       focal_px_(stereo.focal_px),
       center_px_(stereo.center_px) {}

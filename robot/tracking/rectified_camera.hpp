@@ -13,7 +13,7 @@ namespace fleetloc {
 /// One camera of the pair: from pixels of its image to pixels of the rectified pair and back.
 class RectifiedCamera {
  public:
-  RectifiedCamera(const Camera& camera,
+  RectifiedCamera(Camera camera,
                   const Eigen::Quaterniond& R_body_cam,
                   const RectifiedStereo& stereo);
 

@@ -22,7 +22,7 @@ std::optional<Patch> normalized_patch(const cv::Mat& image, const cv::Point2f& p
     return std::nullopt;
   }
   Patch patch;
-  auto value = patch.begin();
+  float* value = patch.data();
   for (int y = row; y < row + kSide; ++y) {
     const auto* line = image.ptr<unsigned char>(y) + column;
     value = std::copy(line, line + kSide, value);
@@ -70,6 +70,7 @@ StereoMatcher::StereoMatcher(const RectifiedStereo& stereo,
       flow_(flow),
       config_(config),
       most_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m) {
+  flow_.levels = config.levels;
   flow_.round_trip_px = config.round_trip_px;
 }
 
@@ -83,7 +84,9 @@ double StereoMatcher::search(const ImagePyramid& left,
   const double step_px = 1 << level;
   double best_disparity = 0.0;
   auto best_correlation = static_cast<float>(config_.least_correlation);
-  for (double disparity = 0.5 * step_px; disparity < most_disparity_px_; disparity += step_px) {
+  const int steps = static_cast<int>(most_disparity_px_ / step_px);
+  for (int step = 0; step < steps; ++step) {
+    const double disparity = (step + 0.5) * step_px;
     const auto pixel = right_camera_.distort(query.rectified - Eigen::Vector2d(disparity, 0.0));
     if (!pixel) continue;
     const auto patch = normalized_patch(right.image(level), *pixel + inwards, level);
@@ -114,7 +117,7 @@ std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
     points.push_back(query.left);
     starts.push_back(*start);
   }
-  const auto found = follow(left, right, points, starts, flow_, config_.levels);
+  const auto found = follow(left, right, points, starts, flow_);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!found[k]) continue;
     const auto rectified = right_camera_.rectify(*found[k]);

@@ -50,7 +50,8 @@ Eigen::Vector2d distort_radial_tangential(const Camera& camera, const Eigen::Vec
                          p1 * (s + 2.0 * y * y) + 2.0 * p2 * x * y);
 }
 
-Eigen::Matrix2d J_distorted_ideal(const Camera& camera, const Eigen::Vector2d& ideal) {
+/// Of distort_radial_tangential by `ideal`.
+Eigen::Matrix2d distortion_jacobian(const Camera& camera, const Eigen::Vector2d& ideal) {
   const double x = ideal.x();
   const double y = ideal.y();
   const double s = ideal.squaredNorm();
@@ -81,7 +82,7 @@ std::optional<Eigen::Vector2d> undistort_radial_tangential(const Camera& camera,
   for (int i = 0; i < kMaxIterations; ++i) {
     const Eigen::Vector2d error = distort_radial_tangential(camera, ideal) - distorted;
     if (!error.allFinite()) return std::nullopt;
-    const Eigen::Matrix2d J = J_distorted_ideal(camera, ideal);
+    const Eigen::Matrix2d J = distortion_jacobian(camera, ideal);
     const double determinant = J.determinant();
     if (determinant <= 0.0) return std::nullopt;
     if (error.norm() < kTolerance) {
