@@ -15,7 +15,7 @@ namespace fleetloc {
 namespace {
 
 /// Farther out neighbouring floats are more than a millimetre apart.
-constexpr float kMaxCoordinate_m = 16384.0F;
+constexpr float kMaxCoordinate = 16384.0F;  // [m]
 
 struct PointInVoxel {
   std::array<std::int64_t, 3> voxel;  // coordinates [resolution_m]
@@ -28,7 +28,7 @@ std::vector<PointInVoxel> sorted_by_voxel(const std::vector<Eigen::Vector3f>& po
   sorted.reserve(points.size());
   for (const Eigen::Vector3f& p_map : points) {
     if (!p_map.allFinite()) continue;
-    if (p_map.cwiseAbs().maxCoeff() > kMaxCoordinate_m) {
+    if (p_map.cwiseAbs().maxCoeff() > kMaxCoordinate) {
       throw MapBuildError("a point is more than 16 km from the origin; shift the cloud towards it");
     }
     const Eigen::Vector3d voxel = (p_map.cast<double>() / resolution_m).array().floor();
@@ -122,7 +122,7 @@ LaserMap build_map(const std::vector<Eigen::Vector3f>& points,
   if (surface.empty()) throw MapBuildError("no finite point to build a map of");
   fit_surfaces(surface, config, progress);
   const MapInfo info = describe(surface, frame, config.resolution_m);
-  return LaserMap(std::move(surface), info);
+  return {std::move(surface), info};
 }
 
 double planar_share(const LaserMap& map, double planarity) {

@@ -12,8 +12,8 @@ LaserMap::LaserMap(std::vector<MapPoint> points, MapInfo info)
       index_(std::make_unique<const PointIndex>(points_)) {}
 
 // Moving a vector leaves its elements where they are, so the index stays valid.
-LaserMap::LaserMap(LaserMap&&) noexcept = default;
-LaserMap& LaserMap::operator=(LaserMap&&) noexcept = default;
+LaserMap::LaserMap(LaserMap&& other) noexcept = default;
+LaserMap& LaserMap::operator=(LaserMap&& other) noexcept = default;
 LaserMap::~LaserMap() = default;
 
 std::optional<LaserMap::Neighbour> LaserMap::nearest(const Eigen::Vector3d& p_map,

@@ -38,8 +38,10 @@ class LaserMap {
  public:
   /// Takes `info` as it is; build_map() and load_map() fill it in.
   LaserMap(std::vector<MapPoint> points, MapInfo info);
-  LaserMap(LaserMap&&) noexcept;
-  LaserMap& operator=(LaserMap&&) noexcept;
+  LaserMap(LaserMap&& other) noexcept;
+  LaserMap& operator=(LaserMap&& other) noexcept;
+  LaserMap(const LaserMap&) = delete;
+  LaserMap& operator=(const LaserMap&) = delete;
   ~LaserMap();
 
   [[nodiscard]] const MapInfo& info() const { return info_; }

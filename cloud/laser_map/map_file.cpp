@@ -65,8 +65,8 @@ SavedInfo read_info(const std::filesystem::path& file) {
 /// The shortest text that is read back as the same number.
 std::string to_text(double value) {
   std::array<char, 32> text{};
-  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
-  return {text.begin(), end};
+  char* const end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
 }
 
 std::string to_text(const Eigen::Vector3d& v) {
@@ -84,7 +84,7 @@ LaserMap checked(std::vector<MapPoint> points, const SavedInfo& saved) {
     throw MapFileError("its content hash is " + to_string(info.hash) + " instead of " + saved.hash +
                        ": the file is damaged or belongs to another map");
   }
-  return LaserMap(std::move(points), std::move(info));
+  return {std::move(points), std::move(info)};
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct PointSet {
     return static_cast<double>(points[index].p_map[static_cast<Eigen::Index>(axis)]);
   }
   template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
+  bool kdtree_get_bbox(Box& /*box*/) const {
     return false;
   }
 
@@ -77,7 +77,7 @@ class PointsWithin {
     return true;
   }
   [[nodiscard]] double worstDist() const { return worst_; }
-  [[nodiscard]] bool full() const { return true; }
+  [[nodiscard]] static bool full() { return true; }
   [[nodiscard]] std::size_t size() const { return indices.size(); }
 
   std::vector<std::size_t> indices;

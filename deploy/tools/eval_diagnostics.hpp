@@ -21,6 +21,6 @@ struct RunCovariances {
 
 /// Reads the columns `stamp_s`, `cm11..cm66` and `co11..co66` of diagnostics.csv, wherever they
 /// are. A frame without a pose has `nan` or nothing there. Throws TextFileError.
-RunCovariances read_covariances(const std::filesystem::path& file);
+RunCovariances read_covariances(const std::filesystem::path& path);
 
 }  // namespace fleetloc

@@ -38,7 +38,7 @@ std::vector<double> numbers(ConfigReader& reader, const std::string& key, std::s
 }
 
 /// T_BS of the sensor S on the rig B.
-Pose read_T_rig_sensor(ConfigReader& reader) {
+Pose read_pose_on_rig(ConfigReader& reader) {
   constexpr double kTolerance = 1e-3;  // calibrations are rounded
   auto section = reader.section("T_BS");
   const auto values = numbers(section, "data", 16);
@@ -97,7 +97,7 @@ std::ostringstream exact_text() {
   return text;
 }
 
-void write_T_rig_sensor(std::ostream& text, const Pose& T_rig_sensor) {
+void write_pose_on_rig(std::ostream& text, const Pose& T_rig_sensor) {
   Matrix4RowMajor T = Matrix4RowMajor::Identity();
   T.topLeftCorner<3, 3>() = T_rig_sensor.R.toRotationMatrix();
   T.topRightCorner<3, 1>() = T_rig_sensor.p;
@@ -113,7 +113,7 @@ void write_T_rig_sensor(std::ostream& text, const Pose& T_rig_sensor) {
 CameraFile read_camera_file(const std::filesystem::path& file) {
   return read(file, [](ConfigReader& reader) {
     return CameraFile{.camera = read_camera(reader),
-                      .T_rig_cam = read_T_rig_sensor(reader),
+                      .T_rig_cam = read_pose_on_rig(reader),
                       .rate_hz = reader.positive("rate_hz")};
   });
 }
@@ -126,7 +126,7 @@ ImuFile read_imu_file(const std::filesystem::path& file) {
         .accelerometer_noise_density = reader.positive("accelerometer_noise_density"),
         .accelerometer_random_walk = reader.positive("accelerometer_random_walk")};
     return ImuFile{.noise = noise,
-                   .T_rig_imu = read_T_rig_sensor(reader),
+                   .T_rig_imu = read_pose_on_rig(reader),
                    .rate_hz = reader.positive("rate_hz")};
   });
 }
@@ -136,7 +136,7 @@ std::string camera_file_text(const CameraFile& file) {
   const bool equidistant = camera.distortion == Camera::Distortion::kEquidistant;
   auto text = exact_text();
   text << "sensor_type: camera\n";
-  write_T_rig_sensor(text, file.T_rig_cam);
+  write_pose_on_rig(text, file.T_rig_cam);
   text << "rate_hz: " << file.rate_hz << "\nresolution: [" << camera.width_px << ", "
        << camera.height_px << "]\ncamera_model: pinhole\nintrinsics: [" << camera.focal_px.x()
        << ", " << camera.focal_px.y() << ", " << camera.center_px.x() << ", "
@@ -150,7 +150,7 @@ std::string camera_file_text(const CameraFile& file) {
 std::string imu_file_text(const ImuFile& imu) {
   auto text = exact_text();
   text << "sensor_type: imu\n";
-  write_T_rig_sensor(text, imu.T_rig_imu);
+  write_pose_on_rig(text, imu.T_rig_imu);
   text << "rate_hz: " << imu.rate_hz
        << "\ngyroscope_noise_density: " << imu.noise.gyroscope_noise_density
        << "\ngyroscope_random_walk: " << imu.noise.gyroscope_random_walk

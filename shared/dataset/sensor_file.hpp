@@ -28,7 +28,7 @@ CameraFile read_camera_file(const std::filesystem::path& file);
 ImuFile read_imu_file(const std::filesystem::path& file);
 
 /// The same as text, with numbers that are read back exactly.
-std::string camera_file_text(const CameraFile& camera);
+std::string camera_file_text(const CameraFile& file);
 std::string imu_file_text(const ImuFile& imu);
 
 }  // namespace fleetloc

@@ -31,8 +31,9 @@ std::vector<ImageEntry> read_image_list(const std::filesystem::path& camera_fold
   } catch (const TextFileError& error) {
     throw DatasetError(error.what());
   }
-  if (images.empty())
+  if (images.empty()) {
     throw DatasetError((camera_folder / "data.csv").string() + ": lists no image");
+  }
   return images;
 }
 

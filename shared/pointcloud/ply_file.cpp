@@ -177,7 +177,8 @@ void read_item(ValueStream& stream, const Element& element, std::vector<double>&
     double value = 0.0;
     if (property.length_type) {
       const double length = stream.next(*property.length_type);
-      for (double i = 0.0; i < length; ++i) stream.next(property.type);
+      if (!(length >= 0.0 && length < 1e9)) throw PointCloudError("a list has an absurd length");
+      for (auto i = static_cast<std::size_t>(length); i > 0; --i) stream.next(property.type);
     } else {
       value = stream.next(property.type);
     }

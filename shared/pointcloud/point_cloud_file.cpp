@@ -78,8 +78,9 @@ pcl::PCLPointCloud2 read_pcl_cloud(const std::filesystem::path& file) {
   } catch (const std::exception& error) {
     fail(file, std::string("damaged: ") + error.what());
   }
-  if (cloud.data.size() < std::size_t{cloud.width} * cloud.height * cloud.point_step)
+  if (cloud.data.size() < std::size_t{cloud.width} * cloud.height * cloud.point_step) {
     fail(file, "ends before its last point");
+  }
   return cloud;
 }
 
@@ -124,7 +125,7 @@ PointTable read_pcd(const std::filesystem::path& file, const std::vector<std::st
     const auto field = std::ranges::find(cloud.fields, name, &pcl::PCLPointField::name);
     if (field == cloud.fields.end()) fail(file, "its points have no field '" + name + "'");
     const Load load_field = loader(field->datatype);
-    if (!load_field) fail(file, "field '" + name + "' is of an unknown type");
+    if (load_field == nullptr) fail(file, "field '" + name + "' is of an unknown type");
     const std::uint8_t* bytes = cloud.data.data() + field->offset;
     for (Eigen::Index row = 0; row < rows; ++row, bytes += cloud.point_step) {
       table(row, column) = load_field(bytes);

@@ -21,6 +21,6 @@ void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T_ref_bod
 /// position, quaternion w x y z; what follows is ignored). Quaternions are normalized. Throws
 /// TrajectoryFileError, also if stamps do not increase; a file without poses is an empty
 /// trajectory.
-Trajectory read_trajectory(const std::filesystem::path& file);
+Trajectory read_trajectory(const std::filesystem::path& path);
 
 }  // namespace fleetloc
