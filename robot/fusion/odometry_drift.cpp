@@ -16,8 +16,7 @@ Eigen::Vector4d OdometryDrift::growth(const OdometryEstimate& estimate) {
   variance << position.diagonal(), rotation(2, 2);
   const bool first = !last_T_odom_body_;
   const Eigen::Vector4d largest = first ? variance : variance.cwiseMax(largest_variance_).eval();
-  const Eigen::Vector4d grown =
-      first ? Eigen::Vector4d::Zero().eval() : largest - largest_variance_;
+  Eigen::Vector4d grown = first ? Eigen::Vector4d::Zero().eval() : largest - largest_variance_;
   largest_variance_ = largest;
   return grown;
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kEnd = 28.0;  // within the buffer
 
 // Tilted as little as the answers err in the batch test.
-Pose nearly_level_T_map_odom() {
+Pose nearly_level_alignment() {
   return {exp_so3({2e-5, -1e-5, 0.8}), {10.0, -4.0, 1.5}};
 }
 
@@ -42,7 +42,7 @@ std::vector<Arrival> some_arrivals(std::mt19937& generator, double error_sigma) 
   for (int tenths = 10; tenths < 250; tenths += interval(generator)) {
     const double t = 0.1 * tenths;
     const Pose T_map_body =
-        retract(nearly_level_T_map_odom() * drive.pose(t), random_vector(generator, error_sigma));
+        retract(nearly_level_alignment() * drive.pose(t), random_vector(generator, error_sigma));
     arrivals.push_back({std::min(kEnd, t + delay(generator)), answer(t, T_map_body)});
   }
   return arrivals;
@@ -106,7 +106,7 @@ class Batch {
     }
   }
   void add_tilt() {
-    const Eigen::Vector3d up = nearly_level_T_map_odom().R.conjugate() * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d up = nearly_level_alignment().R.conjugate() * Eigen::Vector3d::UnitZ();
     const Eigen::Matrix<double, 2, 3> J = hat(up).topRows<2>();
     const double weight = 1.0 / (config_.answers.map_tilt * config_.answers.map_tilt);
     information_.topLeftCorner<3, 3>() += weight * J.transpose() * J;
@@ -136,7 +136,7 @@ class Batch {
     const Matrix6d J_error = std::sqrt(1.0 - noise.white_share) * A.transpose() * root_map;
     add(noise.white_share * now.covariance + clone_covariance(noise),
         {{12 * k, adjoint(inverse(T_odom_body))}, {12 * k + 6, J_error}},
-        local_coordinates(nearly_level_T_map_odom() * T_odom_body, now.T_map_body));
+        local_coordinates(nearly_level_alignment() * T_odom_body, now.T_map_body));
   }
 
   PoseFusion::Config config_;
@@ -162,7 +162,7 @@ TEST(LateAnswers, GiveTheBatchSolution) {
     const std::vector<Arrival> arrivals = some_arrivals(generator, kErrorSigma);
     const StartPose result = fuse(arrivals, config);
     const Batch batch(arrivals, config);
-    const Vector6d d = local_coordinates(nearly_level_T_map_odom(), result.T_map_odom);
+    const Vector6d d = local_coordinates(nearly_level_alignment(), result.T_map_odom);
     EXPECT_LT((d - batch.d_last()).norm(), 1e-3 * batch.d_last().norm())
         << d.transpose() << "\n"
         << batch.d_last().transpose();
@@ -171,31 +171,43 @@ TEST(LateAnswers, GiveTheBatchSolution) {
   }
 }
 
+// Each answer twice; of every third the second is a newer revision, half of them grossly wrong.
+std::vector<Arrival> repeated_and_revised(std::vector<Arrival> arrivals) {
+  const std::size_t count = arrivals.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    Arrival changed = arrivals[i];
+    if (i % 3 == 1) {
+      changed.answer.revision = Revision{2};
+      changed.answer.T_map_body.p.x() += i % 2 == 0 ? 3.0 : 0.01;
+    }
+    arrivals.push_back(changed);
+  }
+  return arrivals;
+}
+
+std::vector<Arrival> delivered_at_once(std::vector<Arrival> arrivals) {
+  for (Arrival& arrival : arrivals) {
+    arrival.t = to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2;
+  }
+  return arrivals;
+}
+
+std::vector<Arrival> delivered_at_random(std::vector<Arrival> arrivals, std::mt19937& generator) {
+  std::shuffle(arrivals.begin(), arrivals.end(), generator);
+  for (Arrival& arrival : arrivals) {
+    const double earliest = to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2;
+    arrival.t = std::uniform_real_distribution<double>(earliest, kEnd)(generator);
+  }
+  return arrivals;
+}
+
 TEST(LateAnswers, GiveTheSameInAnyOrderWithOutliersAndRepetitions) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 generator(seed);
-    std::vector<Arrival> arrivals = some_arrivals(generator, 0.01);
-    const std::size_t count = arrivals.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      Arrival changed = arrivals[i];
-      if (i % 3 == 1) {
-        changed.answer.revision = Revision{2};  // supersedes
-        changed.answer.T_map_body.p.x() += i % 2 == 0 ? 3.0 : 0.01;
-      }
-      arrivals.push_back(changed);
-    }
-    std::vector<Arrival> in_order = arrivals;
-    for (Arrival& arrival : in_order) {
-      arrival.t = to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2;
-    }
-    const StartPose expected = fuse(in_order, fusion_config());
+    const auto arrivals = repeated_and_revised(some_arrivals(generator, 0.01));
+    const StartPose expected = fuse(delivered_at_once(arrivals), fusion_config());
     for (int permutation = 0; permutation < 3; ++permutation) {
-      std::shuffle(arrivals.begin(), arrivals.end(), generator);
-      for (Arrival& arrival : arrivals) {
-        arrival.t = std::uniform_real_distribution<double>(
-            to_seconds(arrival.answer.stamp - Timestamp{}) + 0.2, kEnd)(generator);
-      }
-      const StartPose result = fuse(arrivals, fusion_config());
+      const StartPose result = fuse(delivered_at_random(arrivals, generator), fusion_config());
       EXPECT_LT(local_coordinates(expected.T_map_odom, result.T_map_odom).norm(), 1e-9);
       EXPECT_LT((expected.covariance - result.covariance).norm(), 1e-12);
     }
