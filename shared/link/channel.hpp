@@ -34,7 +34,10 @@ struct ChannelStatistics {
 /// lives in it, a real network ignores it.
 class Channel {
  public:
+  Channel() = default;
   virtual ~Channel() = default;
+  Channel(const Channel&) = delete;
+  Channel& operator=(const Channel&) = delete;
 
   /// @param partition  who is to hear it: the name of a localizer or the id of a robot; empty for
   ///                   the topics that everyone hears (session, localizer status)

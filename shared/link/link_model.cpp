@@ -8,10 +8,10 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLargestDelay_s = 3600.0;
-constexpr double kLargestRate_bytes_per_s = 1e12;
-constexpr int kLeastQueue_bytes = 1500;  // one datagram of Ethernet
-constexpr int kLargestQueue_bytes = 1 << 30;
+constexpr double kLargestDelaySeconds = 3600.0;
+constexpr double kLargestRateBytesPerSecond = 1e12;
+constexpr int kLeastQueueBytes = 1500;  // one datagram of Ethernet
+constexpr int kLargestQueueBytes = 1 << 30;
 
 Duration from_seconds(double seconds) {
   return Duration(std::llround(seconds * 1e9));
@@ -25,21 +25,21 @@ double uniform(std::mt19937_64& random) {
 // Reads the directions of a link, and names them in its errors.
 class DirectionReader {
  public:
-  DirectionReader(const ConfigReader& config, std::string name)
-      : config_(config), name_(std::move(name)) {}
+  DirectionReader(ConfigReader config, std::string name)
+      : config_(std::move(config)), name_(std::move(name)) {}
 
   LinkDirection read() {
     LinkDirection direction;
     direction.loss = number("loss", 1.0);
-    direction.delay_s = number("delay_s", kLargestDelay_s);
-    direction.rate_bytes_per_s = number("rate_bytes_per_s", kLargestRate_bytes_per_s);
+    direction.delay_s = number("delay_s", kLargestDelaySeconds);
+    direction.rate_bytes_per_s = number("rate_bytes_per_s", kLargestRateBytesPerSecond);
     const bool limited = direction.rate_bytes_per_s > 0.0;
     if (limited && direction.rate_bytes_per_s < 1.0) {
       throw ConfigError(name_ + ".rate_bytes_per_s: must be 0 (unlimited) or at least 1");
     }
-    const int least_queue = limited ? kLeastQueue_bytes : 0;
+    const int least_queue = limited ? kLeastQueueBytes : 0;
     direction.queue_bytes =
-        static_cast<std::size_t>(config_.integer("queue_bytes", least_queue, kLargestQueue_bytes));
+        static_cast<std::size_t>(config_.integer("queue_bytes", least_queue, kLargestQueueBytes));
     return direction;
   }
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "shared/link/datagrams.hpp"
@@ -118,10 +117,17 @@ class MemoryNetwork::State {
     return messages;
   }
 
-  ChannelStatistics statistics(MemberId id) const { return members_.at(id).statistics; }
+  [[nodiscard]] ChannelStatistics statistics(MemberId id) const {
+    return members_.at(id).statistics;
+  }
 
  private:
   using Key = std::pair<MemberId, Topic>;  // who sent it
+  struct Attempt {
+    Timestamp time;
+    Key key;
+    MemberId receiver;
+  };
   struct Last {
     std::string partition;
     Message message;
@@ -138,23 +144,25 @@ class MemoryNetwork::State {
   // Makes all attempts that are due until `now`, in order of time.
   void advance(Timestamp now) {
     now_ = std::max(now_, now);
-    for (;;) {
-      std::optional<std::tuple<Timestamp, Key, MemberId>> next;
-      for (const auto& [key, last] : last_) {
-        for (const auto& [receiver, time] : last.next_attempt) {
-          const std::tuple attempt{time, key, receiver};
-          if (time <= now_ && (!next || attempt < *next)) next = attempt;
-        }
-      }
-      if (!next) return;
-      const auto& [time, key, receiver] = *next;
-      Last& last = last_.at(key);
-      if (transfer(key.first, receiver, last.message, time)) {
-        last.next_attempt.erase(receiver);
+    while (const std::optional<Attempt> next = next_attempt()) {
+      if (next->time > now_) return;
+      Last& last = last_.at(next->key);
+      if (transfer(next->key.first, next->receiver, last.message, next->time)) {
+        last.next_attempt.erase(next->receiver);
       } else {
-        last.next_attempt[receiver] = time + kRepetition;
+        last.next_attempt[next->receiver] = next->time + kRepetition;
       }
     }
+  }
+
+  [[nodiscard]] std::optional<Attempt> next_attempt() const {
+    std::optional<Attempt> next;
+    for (const auto& [key, last] : last_) {
+      for (const auto& [receiver, time] : last.next_attempt) {
+        if (!next || time < next->time) next = Attempt{time, key, receiver};
+      }
+    }
+    return next;
   }
 
   // Puts a sample on the link. True if it arrives as a whole.
@@ -195,8 +203,10 @@ class MemoryNetwork::End final : public Channel {
   void send(const std::string& partition, Message message, Timestamp now) override {
     state_->send(id_, partition, std::move(message), now);
   }
-  std::vector<Message> receive(Timestamp now) override { return state_->receive(id_, now); }
-  ChannelStatistics statistics() const override { return state_->statistics(id_); }
+  [[nodiscard]] std::vector<Message> receive(Timestamp now) override {
+    return state_->receive(id_, now);
+  }
+  [[nodiscard]] ChannelStatistics statistics() const override { return state_->statistics(id_); }
 
  private:
   std::shared_ptr<State> state_;

@@ -20,6 +20,7 @@ constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any 
 
 std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
   std::vector<dds::DataReader*> readers;
+  readers.reserve(subscriptions.size());
   for (const auto& subscription : subscriptions) readers.push_back(subscription.reader.get());
   return readers;
 }

@@ -52,15 +52,15 @@ class DdsChannel final : public Channel {
   /// Throws std::invalid_argument for a partition that is neither empty nor a valid id: `*` would
   /// reach everyone.
   void send(const std::string& partition, Message message, Timestamp now) override;
-  std::vector<Message> receive(Timestamp now) override;
-  ChannelStatistics statistics() const override;
+  [[nodiscard]] std::vector<Message> receive(Timestamp now) override;
+  [[nodiscard]] ChannelStatistics statistics() const override;
 
   /// Waits until receive() has something to give, at most for `patience`.
   bool wait_for_message(std::chrono::milliseconds patience);
 
   /// How many readers hear what is sent to this partition; creates the writer.
   int matched_readers(Topic topic, const std::string& partition);
-  ChannelDiagnostics diagnostics() const;
+  [[nodiscard]] ChannelDiagnostics diagnostics() const;
 
  private:
   using Writer = EntityPtr<eprosima::fastdds::dds::DataWriter>;

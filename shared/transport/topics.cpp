@@ -15,9 +15,9 @@ namespace {
 
 template <typename PubSubType>
 TopicSpec spec(const std::string& name) {
-  return {.name = "fleetloc/" + name,
-          .qos_profile = name,
-          .type = eprosima::fastdds::dds::TypeSupport(new BytesType<PubSubType>())};
+  TopicSpec spec{.name = "fleetloc/" + name, .qos_profile = name, .type = {}};
+  spec.type.reset(new BytesType<PubSubType>());
+  return spec;
 }
 
 }  // namespace

@@ -36,16 +36,26 @@ std::optional<WireLink::Clock::time_point> through(LinkModel& link, std::uint32_
       std::chrono::duration_cast<WireLink::Clock::duration>(arrival->time_since_epoch()));
 }
 
+bool transmit(rtps::SenderResource& socket,
+              const rtps::octet* buffer,
+              std::uint32_t size,
+              const fdr::LocatorList& destinations,
+              const WireLink::Clock::time_point& timeout) {
+  rtps::Locators first(destinations.begin());
+  rtps::Locators last(destinations.end());
+  return socket.send(buffer, size, &first, &last, timeout);
+}
+
 /// Keeps the settings of the transport that it wraps.
 class Descriptor final : public fdr::ChainingTransportDescriptor {
  public:
   Descriptor(std::shared_ptr<TransportDescriptor> udp, std::shared_ptr<WireLink> link)
       : ChainingTransportDescriptor(std::move(udp)), link_(std::move(link)) {}
 
-  fdr::TransportInterface* create_transport() const override;
+  [[nodiscard]] fdr::TransportInterface* create_transport() const override;
 
-  const std::shared_ptr<WireLink>& link() const { return link_; }
-  bool has_whitelist() const {
+  [[nodiscard]] const std::shared_ptr<WireLink>& link() const { return link_; }
+  [[nodiscard]] bool has_whitelist() const {
     const auto& udp = dynamic_cast<const fdr::UDPTransportDescriptor&>(*low_level_descriptor);
     return !udp.interfaceWhiteList.empty();
   }
@@ -95,11 +105,11 @@ class Transport final : public fdr::ChainingTransport {
   // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
   // sends it to every address (a multicast on loopback only), the others, one an interface, send
   // multicasts only; with a whitelist every socket sends to every address.
-  bool sends(const rtps::SenderResource* socket, const rtps::Locator_t& to) const {
+  [[nodiscard]] bool sends(const rtps::SenderResource* socket, const rtps::Locator_t& to) const {
     return counts(socket) || rtps::IPLocator::isMulticast(to);
   }
   // A multicast counts once, not on every interface.
-  bool counts(const rtps::SenderResource* socket) const {
+  [[nodiscard]] bool counts(const rtps::SenderResource* socket) const {
     return descriptor_.has_whitelist() || socket == first_socket_;
   }
 
@@ -109,6 +119,7 @@ class Transport final : public fdr::ChainingTransport {
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
 };
 
+// NOLINTNEXTLINE(readability-function-size): the parameters are those of the library's interface
 bool Transport::send(rtps::SenderResource* socket,
                      const rtps::octet* buffer,
                      std::uint32_t size,
@@ -123,11 +134,7 @@ bool Transport::send(rtps::SenderResource* socket,
     destinations.push_back(to);
     if (counts(socket) && IsLocatorSupported(to)) link_->count_sent(buffer, size);
   }
-  if (!delay_line_) {
-    rtps::Locators first(destinations.begin());
-    rtps::Locators last(destinations.end());
-    return socket->send(buffer, size, &first, &last, timeout);
-  }
+  if (!delay_line_) return transmit(*socket, buffer, size, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
     if (!IsLocatorSupported(to) || !sends(socket, to)) continue;
     const auto due = link_->outgoing_at(size);
@@ -135,10 +142,8 @@ bool Transport::send(rtps::SenderResource* socket,
     delay_line_->at(*due, [socket, to, copy = std::vector<rtps::octet>(buffer, buffer + size)] {
       fdr::LocatorList destination;
       destination.push_back(to);
-      rtps::Locators first(destination.begin());
-      rtps::Locators last(destination.end());
-      const auto soon = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
-      socket->send(copy.data(), static_cast<std::uint32_t>(copy.size()), &first, &last, soon);
+      const auto soon = WireLink::Clock::now() + std::chrono::milliseconds(100);
+      transmit(*socket, copy.data(), static_cast<std::uint32_t>(copy.size()), destination, soon);
     });
   }
   return true;

@@ -35,7 +35,7 @@ class WireLink {
 
   WireLink(ChannelRole role, const std::optional<LinkConfig>& link);
 
-  bool is_emulated() const { return outgoing_.has_value(); }
+  [[nodiscard]] bool is_emulated() const { return outgoing_.has_value(); }
 
   /// When it leaves or reaches this computer; nothing if it is lost.
   std::optional<Clock::time_point> outgoing_at(std::uint32_t datagram_bytes);
@@ -44,9 +44,9 @@ class WireLink {
   void count_sent(const std::uint8_t* datagram, std::uint32_t bytes);
   void count_received(std::uint32_t bytes);
   /// True for a multicast that comes back to its sender; it never left the computer.
-  bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
+  [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
 
-  WireTraffic traffic() const;
+  [[nodiscard]] WireTraffic traffic() const;
 
  private:
   using GuidPrefix = std::array<std::uint8_t, 12>;

@@ -118,7 +118,7 @@ TEST_F(DdsChannelTest, CountsThePayloadAndTheHeadersOfEveryDatagram) {
       const ChannelStatistics cloud = cloud_.statistics();
       send(submap);
       ASSERT_TRUE(cloud_.wait_for_message(kPatience));
-      cloud_.receive({});
+      EXPECT_EQ(cloud_.receive({}).size(), 1);
       const auto payload = submap.payload.size();
       EXPECT_EQ(robot_.statistics().sent_payload_bytes - robot.sent_payload_bytes, payload);
       EXPECT_EQ(cloud_.statistics().received_payload_bytes - cloud.received_payload_bytes, payload);
