@@ -1,0 +1,78 @@
+#include "cloud/localizer/degeneracy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kLeastLever = 0.1;         // [m]
+constexpr double kLeastInformation = 1e-6;  // [1/m^2]
+
+WindowMotion motion_about(const std::vector<MapMatch>& matches) {
+  WindowMotion motion;
+  for (const MapMatch& match : matches) motion.center_map += match.landmark.p_map;
+  motion.center_map /= static_cast<double>(matches.size());
+  std::vector<double> distances;
+  distances.reserve(matches.size());
+  for (const MapMatch& match : matches) {
+    distances.push_back((match.landmark.p_map - motion.center_map).norm());
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  motion.lever_m = std::max(*middle, kLeastLever);
+  return motion;
+}
+
+}  // namespace
+
+Matrix6d WindowMotion::by_body(const Pose& T_map_body) const {
+  const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
+  Matrix6d J;
+  J << R_body_map / lever_m, Eigen::Matrix3d::Zero(),
+      -R_body_map * hat(T_map_body.p - center_map) / lever_m, R_body_map;
+  return J;
+}
+
+MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
+                                     const DegeneracyConfig& config) {
+  MapConstraint result;
+  if (matches.empty()) {
+    result.weak = Matrix6d::Identity();
+    return result;
+  }
+  result.motion = motion_about(matches);
+  Matrix6d information = Matrix6d::Zero();
+  double feigned = 0.0;
+  for (const MapMatch& match : matches) {
+    const Eigen::Vector3d& n = match.normal;
+    const Eigen::Vector3d arm =
+        (match.landmark.p_map - result.motion.center_map) / result.motion.lever_m;
+    Vector6d gradient;
+    gradient << arm.cross(n), n;
+    const double weight =
+        1.0 / (match.sigma_m * match.sigma_m + n.dot(match.landmark.covariance * n));
+    information += weight * gradient * gradient.transpose();
+    feigned += weight * config.normal_sigma_rad * config.normal_sigma_rad;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  int weak = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double honest = std::max(eigen.eigenvalues()(i) - feigned, kLeastInformation);
+    result.sigmas_m(i) = 1.0 / std::sqrt(honest);
+    if (result.sigmas_m(i) > config.weak_sigma_m) ++weak;
+  }
+  result.weak = eigen.eigenvectors().leftCols(weak);
+  return result;
+}
+
+DegeneracyConfig read_degeneracy_config(ConfigReader section) {
+  return {.weak_sigma_m = section.positive("weak_sigma_m"),
+          .normal_sigma_rad = section.positive("normal_sigma_rad")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,123 @@
+#include "cloud/localizer/map_association.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace fleetloc {
+namespace {
+
+constexpr double kShareOfGate = 0.25;  // sigma of a match while the gate is wide
+
+using Cell = std::array<long, 3>;
+
+Cell cell_of(const Eigen::Vector3d& p_map, double edge_m) {
+  const auto index = [edge_m](double x) { return std::lround(std::floor(x / edge_m)); };
+  return {index(p_map.x()), index(p_map.y()), index(p_map.z())};
+}
+
+double greatest_sigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(eigen.eigenvalues()(2));
+}
+
+// Whether the landmark may lie on the surface around the map point: the distance against the gate,
+// the landmark's uncertainty, and, along a plane, the spacing of the map's points.
+bool is_within_gate(const MapMatch& match, double gate_m, double spacing_m, double deviations) {
+  const double sigma = gate_m / deviations;
+  Eigen::Matrix3d spread = match.landmark.covariance + sigma * sigma * Eigen::Matrix3d::Identity();
+  if (match.is_planar) {
+    spread += spacing_m * spacing_m *
+              (Eigen::Matrix3d::Identity() - match.normal * match.normal.transpose());
+  }
+  const Eigen::Vector3d d = match.landmark.p_map - match.q_map;
+  return d.dot(spread.ldlt().solve(d)) <= deviations * deviations;
+}
+
+// Beyond the gate on the far side of the surface: new things may stand before what the map holds,
+// but nothing can be seen through it.
+bool is_hidden(const MapMatch& nearest, double gate_m) {
+  if (!nearest.is_planar) return false;
+  const double viewer = nearest.normal.dot(nearest.landmark.seen_from - nearest.q_map);
+  const double landmark = nearest.normal.dot(nearest.landmark.p_map - nearest.q_map);
+  return viewer * landmark < 0.0 && std::abs(landmark) > gate_m;
+}
+
+MapMatch make_match(const WindowLandmark& landmark,
+                    std::size_t index,
+                    const MapPoint& point,
+                    double gate_m,
+                    const AssociationConfig& config) {
+  MapMatch match;
+  match.landmark = landmark;
+  match.map_point = index;
+  match.q_map = point.p_map.cast<double>();
+  match.normal = point.normal.cast<double>();
+  match.is_planar = point.planarity >= config.least_planarity && match.normal.squaredNorm() > 0.5;
+  match.sigma_m = match.is_planar ? config.plane_sigma_m : config.point_sigma_m;
+  match.widening = std::max(1.0, kShareOfGate * gate_m / match.sigma_m);
+  return match;
+}
+
+// Neighbouring landmarks meet the same errors of the map, so a cell is worth no more than
+// `matches_per_cell` independent matches.
+void cap_information(std::vector<MapMatch>& matches, const AssociationConfig& config) {
+  std::map<Cell, int> counts;
+  for (const MapMatch& match : matches) ++counts[cell_of(match.q_map, config.cell_m)];
+  for (MapMatch& match : matches) {
+    const int count = counts.at(cell_of(match.q_map, config.cell_m));
+    match.sigma_m *= std::sqrt(std::max(1.0, count / config.matches_per_cell));
+  }
+}
+
+}  // namespace
+
+Association associate(const std::vector<WindowLandmark>& landmarks,
+                      const LaserMap& map,
+                      double gate_m,
+                      const AssociationConfig& config) {
+  Association result;
+  const double spacing = map.info().resolution_m;
+  for (const WindowLandmark& landmark : landmarks) {
+    const double own_sigma = greatest_sigma(landmark.covariance);
+    if (!(own_sigma <= config.max_landmark_sigma_m)) continue;
+    ++result.eligible;
+    const double reach =
+        std::hypot(gate_m, config.gate_deviations * std::hypot(own_sigma, spacing));
+    const auto nearest = map.nearest(landmark.p_map, std::max(reach, config.coverage_radius_m));
+    if (!nearest) continue;
+    ++result.covered;
+    const MapMatch match =
+        make_match(landmark, nearest->index, map.point(nearest->index), gate_m, config);
+    if (is_within_gate(match, gate_m, spacing, config.gate_deviations)) {
+      result.matches.push_back(match);
+    } else if (is_hidden(match, gate_m)) {
+      ++result.hidden;
+    }
+  }
+  cap_information(result.matches, config);
+  return result;
+}
+
+double residual(const MapMatch& match, const Eigen::Vector3d& p_map) {
+  const Eigen::Vector3d d = p_map - match.q_map;
+  return match.is_planar ? match.normal.dot(d) : d.norm();
+}
+
+AssociationConfig read_association_config(ConfigReader section) {
+  return {.plane_sigma_m = section.positive("plane_sigma_m"),
+          .point_sigma_m = section.positive("point_sigma_m"),
+          .least_planarity = section.positive("least_planarity"),
+          .max_landmark_sigma_m = section.positive("max_landmark_sigma_m"),
+          .gate_deviations = section.positive("gate_deviations"),
+          .coverage_radius_m = section.positive("coverage_radius_m"),
+          .cell_m = section.positive("cell_m"),
+          .matches_per_cell = section.positive("matches_per_cell")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "cloud/localizer/map_match.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+struct AssociationConfig {
+  double plane_sigma_m;         ///< map noise and association error along a plane's normal
+  double point_sigma_m;         ///< the same where the surroundings are not planar
+  double least_planarity;       ///< of the map point, see MapPoint: from here on point to plane
+  double max_landmark_sigma_m;  ///< a landmark less certain than this is not matched
+  double gate_deviations;       ///< standard deviations within which a match must lie
+  double coverage_radius_m;     ///< map within this of a landmark: the place is mapped
+  double cell_m;                ///< edge of the cells over which map information is capped
+  double matches_per_cell;      ///< so many count fully; more of them share their information
+};
+
+struct Association {
+  std::vector<MapMatch> matches;  ///< increasing by landmark
+  int eligible = 0;               ///< landmarks known well enough
+  int covered = 0;                ///< of these, on mapped ground
+  int hidden = 0;                 ///< of these, seen through a surface of the map
+};
+
+/// Pairs landmarks with the nearest map point within `gate_m`, widened by the landmark's own
+/// uncertainty. While the gate is wide, their sigmas are widened to a quarter of it.
+Association associate(const std::vector<WindowLandmark>& landmarks,
+                      const LaserMap& map,
+                      double gate_m,
+                      const AssociationConfig& config);
+
+/// Along the normal, or the distance where there is none [m].
+double residual(const MapMatch& match, const Eigen::Vector3d& p_map);
+
+AssociationConfig read_association_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,158 @@
+#include "cloud/localizer/rigid_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kMaxScore = 9.0;  // of a landmark: that of three standard deviations
+
+std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int most) {
+  const auto count = std::min(landmarks.size(), static_cast<std::size_t>(most));
+  std::vector<WindowLandmark> result;
+  result.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    result.push_back(landmarks[i * landmarks.size() / count]);
+  }
+  return result;
+}
+
+std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const Pose& T_new_old) {
+  const Eigen::Matrix3d R = T_new_old.R.toRotationMatrix();
+  for (WindowLandmark& landmark : landmarks) {
+    landmark.p_map = R * landmark.p_map + T_new_old.p;
+    landmark.seen_from = R * landmark.seen_from + T_new_old.p;
+    landmark.covariance = R * landmark.covariance * R.transpose();
+  }
+  return landmarks;
+}
+
+// A turn about `center_map`, then a shift.
+Pose motion_of(const Eigen::Vector3d& theta,
+               const Eigen::Vector3d& t,
+               const Eigen::Vector3d& center_map) {
+  const Eigen::Quaterniond R = exp_so3(theta);
+  return {R, center_map - R * center_map + t};
+}
+
+// The prior itself, and both ways along x, y and yaw of the map.
+std::vector<Pose> starts_around(const PoseBelief& prior, double deviations) {
+  const Eigen::Matrix3d R = prior.T_map_body.R.toRotationMatrix();
+  const Eigen::Matrix3d rotation = R * prior.covariance.topLeftCorner<3, 3>() * R.transpose();
+  const Eigen::Matrix3d position = R * prior.covariance.bottomRightCorner<3, 3>() * R.transpose();
+  std::vector<Pose> starts{Pose{}};
+  for (const double sign : {-deviations, deviations}) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector3d t =
+          sign * std::sqrt(position(axis, axis)) * Eigen::Vector3d::Unit(axis);
+      starts.push_back(motion_of(Eigen::Vector3d::Zero(), t, prior.T_map_body.p));
+    }
+    const Eigen::Vector3d yaw = sign * std::sqrt(rotation(2, 2)) * Eigen::Vector3d::UnitZ();
+    starts.push_back(motion_of(yaw, Eigen::Vector3d::Zero(), prior.T_map_body.p));
+  }
+  return starts;
+}
+
+struct System {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+
+  void add(const Eigen::Vector3d& direction,
+           const Eigen::Vector3d& arm,
+           double error,
+           double weight) {
+    Vector6d J;
+    J << arm.cross(direction), direction;
+    H += weight * J * J.transpose();
+    g += weight * error * J;
+  }
+};
+
+// One match, by a motion about `center_map`.
+void add_match(const MapMatch& match, const Eigen::Vector3d& center_map, double kernel, System& s) {
+  const Eigen::Vector3d arm = match.landmark.p_map - center_map;
+  const Eigen::Vector3d d = match.landmark.p_map - match.q_map;
+  const double sigma = match.sigma_m * match.widening;
+  const auto add = [&](const Eigen::Vector3d& direction) {
+    const double variance = sigma * sigma + direction.dot(match.landmark.covariance * direction);
+    const double error = direction.dot(d);
+    const double robust = 1.0 / (1.0 + error * error / (variance * kernel * kernel));
+    s.add(direction, arm, error, robust / variance);
+  };
+  if (match.is_planar) return add(match.normal);
+  for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis));
+}
+
+}  // namespace
+
+Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
+                           const PoseBelief& prior,
+                           const Gates& gates) const {
+  if (landmarks.empty()) return Pose{};
+  const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
+  std::vector<Aligned> results;
+  for (const Pose& start : starts_around(prior, config_.start_deviations)) {
+    results.push_back(descend(some, prior, gates, start));
+  }
+  return std::ranges::min_element(results, {}, &Aligned::score)->T_new_old;
+}
+
+RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark>& landmarks,
+                                                const PoseBelief& prior,
+                                                const Gates& gates,
+                                                const Pose& start) const {
+  const Matrix6d prior_information = prior.covariance.inverse();
+  const double shrink = std::pow(gates.final_m / gates.first_m, 1.0 / config_.iterations);
+  Aligned result{start};
+  double gate_m = gates.first_m;
+  for (int i = 0; i < config_.iterations; ++i, gate_m *= shrink) {
+    const auto placed = moved(landmarks, result.T_new_old);
+    const Pose T_map_body = result.T_new_old * prior.T_map_body;
+    const WindowMotion motion{T_map_body.p, 1.0};
+    System system;
+    for (const MapMatch& match : associate(placed, map_, gate_m, association_).matches) {
+      add_match(match, motion.center_map, config_.kernel, system);
+    }
+    const Vector6d error = local_coordinates(prior.T_map_body, T_map_body);
+    const Matrix6d J = right_jacobian_inverse_se3(error) * motion.by_body(T_map_body);
+    system.H += J.transpose() * prior_information * J;
+    system.g += J.transpose() * prior_information * error;
+    const Vector6d step = -system.H.ldlt().solve(system.g);
+    result.T_new_old =
+        motion_of(step.head<3>(), step.tail<3>(), motion.center_map) * result.T_new_old;
+  }
+  result.score = score(landmarks, prior, gates.final_m, result.T_new_old);
+  return result;
+}
+
+double RigidAlignment::score(const std::vector<WindowLandmark>& landmarks,
+                             const PoseBelief& prior,
+                             double gate_m,
+                             const Pose& T_new_old) const {
+  const Association found = associate(moved(landmarks, T_new_old), map_, gate_m, association_);
+  double sum = kMaxScore * static_cast<double>(found.eligible) -
+               kMaxScore * static_cast<double>(found.matches.size());
+  for (const MapMatch& match : found.matches) {
+    const double error = residual(match, match.landmark.p_map);
+    const Eigen::Vector3d& n = match.normal;
+    const double variance = match.sigma_m * match.sigma_m + n.dot(match.landmark.covariance * n);
+    sum += std::min(error * error / variance, kMaxScore);
+  }
+  const Vector6d moved_by = local_coordinates(prior.T_map_body, T_new_old * prior.T_map_body);
+  return sum + moved_by.dot(prior.covariance.ldlt().solve(moved_by));
+}
+
+RigidAlignment::Config read_rigid_alignment_config(ConfigReader section) {
+  return {.iterations = section.integer("iterations", 1, 100),
+          .max_landmarks = section.integer("max_landmarks", 10, 10000),
+          .start_deviations = section.positive("start_deviations"),
+          .kernel = section.positive("kernel")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "cloud/localizer/map_association.hpp"
+#include "cloud/localizer/pose_anchor.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+/// Moves the window as one rigid body onto the map, for poses that are known too roughly for the
+/// association of single landmarks to be trusted: iterated closest points from several starts
+/// around a prior, of which the best is taken.
+class RigidAlignment {
+ public:
+  struct Config {
+    int iterations;           ///< of each start
+    int max_landmarks;        ///< evenly out of those there are
+    double start_deviations;  ///< distance of the starts from the prior, in its deviations
+    double kernel;            ///< Cauchy, in standard deviations
+  };
+  struct Gates {
+    double first_m;
+    double final_m;
+  };
+
+  RigidAlignment(const LaserMap& map, const AssociationConfig& association, const Config& config)
+      : map_(map), association_(association), config_(config) {}
+
+  /// @param prior  of one keyframe of the window, at its present pose
+  /// @return T_new_old in the map: x_map is to become T_new_old * x_map
+  [[nodiscard]] Pose align(const std::vector<WindowLandmark>& landmarks,
+                           const PoseBelief& prior,
+                           const Gates& gates) const;
+
+ private:
+  struct Aligned {
+    Pose T_new_old;
+    double score = 0.0;  // the smaller, the better
+  };
+
+  [[nodiscard]] Aligned descend(const std::vector<WindowLandmark>& landmarks,
+                                const PoseBelief& prior,
+                                const Gates& gates,
+                                const Pose& start) const;
+  [[nodiscard]] double score(const std::vector<WindowLandmark>& landmarks,
+                             const PoseBelief& prior,
+                             double gate_m,
+                             const Pose& T_new_old) const;
+
+  const LaserMap& map_;
+  const AssociationConfig& association_;
+  const Config& config_;
+};
+
+RigidAlignment::Config read_rigid_alignment_config(ConfigReader section);
+
+}  // namespace fleetloc

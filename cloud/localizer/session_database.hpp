@@ -1,0 +1,96 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "shared/model/submap.hpp"
+
+namespace fleetloc {
+
+/// What one robot has told in one session, and the cloud's solution for it. Items are known by
+/// their ids: of two revisions the newer one wins, and nothing is counted twice.
+///
+/// Bounded: what lies behind the latest `window` keyframes is forgotten.
+class SessionDatabase {
+ public:
+  struct Config {
+    int window;  ///< keyframes
+  };
+
+  struct Keyframe {
+    SubmapKeyframe item;
+    std::optional<Pose> T_map_body;  ///< the cloud's solution; a new revision does not reset it
+  };
+
+  struct Landmark {
+    /// The robot's estimate, relative to a keyframe of the same submap: it stays valid however
+    /// `odom` moves. Nothing if the robot sent none, or if the keyframe is forgotten.
+    struct Estimate {
+      KeyframeId keyframe{};
+      Eigen::Vector3d p_body = Eigen::Vector3d::Zero();
+    };
+    std::optional<Estimate> estimate;
+    std::optional<Eigen::Vector3d> p_map;  ///< the cloud's solution
+  };
+
+  /// What became of the items of a submap.
+  struct Added {
+    int stored = 0;    ///< new, or a newer revision
+    int repeated = 0;  ///< known already
+    int stale = 0;     ///< behind the window
+    friend auto operator<=>(const Added&, const Added&) = default;
+  };
+
+  explicit SessionDatabase(const Config& config) : config_(config) {}
+
+  Added add(const Submap& submap);
+
+  [[nodiscard]] bool empty() const { return keyframes_.empty(); }
+
+  /// The keyframes that edges connect with the newest one, oldest first. Every one of them, but
+  /// the oldest, has one edge into it: see edge_into().
+  [[nodiscard]] std::vector<KeyframeId> window() const;
+
+  [[nodiscard]] const Keyframe& newest() const { return keyframes_.rbegin()->second; }
+  [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
+  [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
+
+  /// Of the edges that end at `to`, the one that starts latest at a stored keyframe: longer ones
+  /// span the same IMU samples and would count them twice. Null if there is none.
+  [[nodiscard]] const VirtualEdge* edge_into(KeyframeId to) const;
+
+  /// Poses in the map for the keyframes of `window`: the cloud's solution where there is one; from
+  /// there along the edges; by `T_map_odom` where no solved keyframe is connected.
+  [[nodiscard]] std::map<KeyframeId, Pose> placed(const std::vector<KeyframeId>& window,
+                                                  const Pose& T_map_odom) const;
+
+  void store_solution(KeyframeId id, const Pose& T_map_body);
+  void store_solution(LandmarkId id, const Eigen::Vector3d& p_map);
+
+  /// About what is held in memory.
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
+
+  void add_keyframe(const SubmapKeyframe& item, Added& added);
+  void add_edge(const VirtualEdge& edge, Added& added);
+  void add_estimates(const Submap& submap);
+  void forget_behind_window();
+
+  Config config_;
+  std::map<KeyframeId, Keyframe> keyframes_;
+  std::map<EdgeKey, VirtualEdge> edges_;
+  std::map<LandmarkId, Landmark> landmarks_;  // of the observations of keyframes_
+  KeyframeId horizon_{};                      // what is older has been forgotten
+  bool unseen_landmarks_ = false;             // there may be landmarks that no keyframe observes
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,285 @@
+#include "cloud/localizer/session_localizer.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
+constexpr std::size_t kBytesPerLandmark = 900;
+
+double greatest_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
+          .eigenvalues()(2));
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+Matrix6d diagonal(double rotation, double translation) {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(rotation * rotation),
+      Eigen::Vector3d::Constant(translation * translation);
+  return variances.asDiagonal();
+}
+
+std::optional<PoseAnchor> anchor_at_start(const RobotSession& session) {
+  if (!session.start) return std::nullopt;
+  return PoseAnchor{.keyframe = std::nullopt,
+                    .T_odom_body = Pose{},
+                    .belief = {session.start->T_map_odom, session.start->covariance}};
+}
+
+}  // namespace
+
+SessionLocalizer::SessionLocalizer(const RobotSession& session,
+                                   std::shared_ptr<const LaserMap> map,
+                                   const Config& config)
+    : map_(std::move(map)),
+      config_(config),
+      database_(config_.database),
+      problem_(session.stereo, config_.database.window, config_.problem),
+      alignment_(*map_, config_.association, config_.alignment),
+      anchor_(anchor_at_start(session)) {}
+
+void SessionLocalizer::add(const Submap& submap) {
+  const SessionDatabase::Added added = database_.add(submap);
+  added_.stored += added.stored;
+  added_.repeated += added.repeated;
+  added_.stale += added.stale;
+}
+
+Answer SessionLocalizer::localize() {
+  assert(!database_.empty());
+  diagnostics_ = {};
+  const SubmapKeyframe newest = database_.newest().item;
+  const std::vector<KeyframeId> window = database_.window();
+  diagnostics_.keyframes = static_cast<int>(window.size());
+
+  Answer answer;
+  answer.keyframe = newest.id;
+  answer.revision = newest.revision;
+  answer.stamp = newest.stamp;
+  answer.map_hash = map_->info().hash;
+  PoseBelief result;
+  answer.status = localize_window(window, result);
+  if (answer.status != LocalizationStatus::kLocalized) return answer;
+
+  store(result);
+  const auto& honesty = config_.honesty;
+  answer.T_map_body = result.T_map_body;
+  answer.covariance = result.covariance + diagonal(honesty.floor_rad, honesty.floor_m);
+  answer.T_map_odom = result.T_map_body * inverse(newest.T_odom_body);
+  return answer;
+}
+
+// The pose and, without the floors, its covariance.
+LocalizationStatus SessionLocalizer::localize_window(const std::vector<KeyframeId>& window,
+                                                     PoseBelief& result) {
+  using enum LocalizationStatus;
+  if (!anchor_) return kNoStartPose;
+  if (diagnostics_.keyframes < config_.acceptance.least_keyframes) return kTooFewKeyframes;
+  const Pose T_map_odom = anchor_->belief.T_map_body * inverse(anchor_->T_odom_body);
+  problem_.synchronize(database_, database_.placed(window, T_map_odom));
+  diagnostics_.observations = problem_.observations();
+
+  const Hold hold = hold_of(window);
+  diagnostics_.gate_m = gate_for(hold.belief);
+  if (diagnostics_.gate_m > config_.rounds.tracking_gate_m) align(hold);
+  if (const auto status = optimize(hold); status != kLocalized) return status;
+  measure_fit();
+  return check_result(hold, result);
+}
+
+// Before the first localization, and after the localized keyframe has left the window, the prior
+// is carried to the window's oldest keyframe.
+SessionLocalizer::Hold SessionLocalizer::hold_of(const std::vector<KeyframeId>& window) const {
+  if (anchor_->keyframe && std::ranges::binary_search(window, *anchor_->keyframe)) {
+    return {*anchor_->keyframe, anchor_->belief};
+  }
+  const Pose& T_odom_oldest = database_.keyframe(window.front()).item.T_odom_body;
+  return {window.front(), anchor_->at(T_odom_oldest, config_.drift)};
+}
+
+// How far the landmarks may be from where they seem to be.
+double SessionLocalizer::gate_for(const PoseBelief& belief) const {
+  std::vector<double> distances;
+  for (const WindowLandmark& landmark : problem_.landmarks()) {
+    distances.push_back((landmark.p_map - belief.T_map_body.p).norm());
+  }
+  const double turned =
+      median(std::move(distances)) * greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
+  const double shifted = greatest_sigma(belief.covariance.bottomRightCorner<3, 3>());
+  const auto& rounds = config_.rounds;
+  return std::clamp(rounds.gate_deviations * std::hypot(turned, shifted),
+                    rounds.tracking_gate_m,
+                    rounds.widest_gate_m);
+}
+
+void SessionLocalizer::align(const Hold& hold) {
+  const RigidAlignment::Gates gates{diagnostics_.gate_m, config_.rounds.final_gate_m};
+  const PoseBelief prior{problem_.pose(hold.keyframe), hold.belief.covariance};
+  problem_.move(alignment_.align(problem_.landmarks(), prior, gates));
+  diagnostics_.aligned = true;
+}
+
+LocalizationStatus SessionLocalizer::optimize(const Hold& hold) {
+  using enum LocalizationStatus;
+  const auto& rounds = config_.rounds;
+  const KeyframeId newest = database_.newest().item.id;
+  double gate_m = rounds.tracking_gate_m;
+  for (int round = 0; round < rounds.most; ++round) {
+    const Pose before = problem_.pose(newest);
+    if (const auto status = run_round(hold, gate_m); status != kLocalized) return status;
+    const double moved_m = local_coordinates(before, problem_.pose(newest)).norm();
+    const bool is_final = gate_m <= rounds.final_gate_m;
+    if (is_final && moved_m < rounds.settled_m) break;
+    gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
+  }
+  return kLocalized;
+}
+
+LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) {
+  using enum LocalizationStatus;
+  const std::vector<WindowLandmark> landmarks = problem_.landmarks();
+  association_ = associate(landmarks, *map_, gate_m, config_.association);
+  diagnostics_.landmarks = static_cast<int>(landmarks.size());
+  diagnostics_.eligible = association_.eligible;
+  diagnostics_.covered = association_.covered;
+  diagnostics_.hidden = association_.hidden;
+  diagnostics_.matches = static_cast<int>(association_.matches.size());
+  diagnostics_.planar_matches =
+      static_cast<int>(std::ranges::count_if(association_.matches, &MapMatch::is_planar));
+  if (const auto status = check_matches(); status != kLocalized) return status;
+
+  constraint_ = analyze_map_constraint(association_.matches, config_.degeneracy);
+  diagnostics_.weak_directions = static_cast<int>(constraint_.weak.cols());
+  diagnostics_.map_sigmas_m = constraint_.sigmas_m;
+  set_prior(hold);
+  problem_.set_matches(association_.matches);
+  const WindowProblem::Solved solved = problem_.solve(config_.rounds.iterations);
+  ++diagnostics_.rounds;
+  diagnostics_.iterations += solved.iterations;
+  diagnostics_.cost = solved.cost;
+  return solved.is_usable ? kLocalized : kNotConverged;
+}
+
+// The start pose counts in every direction, until there is a solution that includes it; a pose
+// found before only where the map does not tell.
+void SessionLocalizer::set_prior(const Hold& hold) {
+  problem_.clear_prior();
+  const double least_sigma_m = config_.honesty.least_prior_sigma_m;
+  if (!anchor_->keyframe) {
+    const Matrix6d information = hold.belief.covariance.inverse();
+    problem_.set_prior(hold.keyframe, hold.belief.T_map_body, information);
+  } else if (constraint_.weak.cols() > 0) {
+    const Matrix6d information =
+        information_along(constraint_.weak, constraint_.motion, hold.belief, least_sigma_m);
+    problem_.set_prior(hold.keyframe, hold.belief.T_map_body, information);
+  }
+}
+
+LocalizationStatus SessionLocalizer::check_matches() const {
+  using enum LocalizationStatus;
+  const auto& least = config_.acceptance;
+  const auto share_of = [](double share, int count) {
+    return static_cast<int>(std::ceil(share * count));
+  };
+  if (association_.covered <
+      std::max(least.least_matches, share_of(least.least_covered_share, association_.eligible))) {
+    return kNoMapCoverage;
+  }
+  const auto matches = static_cast<int>(association_.matches.size());
+  if (matches <
+      std::max(least.least_matches, share_of(least.least_matched_share, association_.covered))) {
+    return kTooFewMatches;
+  }
+  return kLocalized;
+}
+
+// A wrong start often finds surfaces to match, but not without contradicting others.
+bool SessionLocalizer::agrees_enough_to_start() const {
+  const auto matched = static_cast<double>(association_.matches.size());
+  const int against = association_.eligible - association_.covered + 2 * association_.hidden;
+  return matched - against >= config_.acceptance.least_start_agreement * association_.eligible;
+}
+
+void SessionLocalizer::measure_fit() {
+  const std::vector<WindowLandmark> landmarks = problem_.landmarks();
+  std::vector<double> residuals;
+  auto landmark = landmarks.begin();
+  for (const MapMatch& match : association_.matches) {
+    while (landmark->id < match.landmark.id) ++landmark;  // both in the order of ids
+    const double error = residual(match, landmark->p_map);
+    const auto& association = config_.association;
+    residuals.push_back(match.is_planar ? std::abs(error) / association.plane_sigma_m
+                                        : error / (std::sqrt(3.0) * association.point_sigma_m));
+  }
+  diagnostics_.median_residual = median(std::move(residuals));
+}
+
+LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& result) {
+  using enum LocalizationStatus;
+  const auto& limits = config_.acceptance;
+  const SubmapKeyframe& newest = database_.newest().item;
+  result.T_map_body = problem_.pose(newest.id);
+
+  PoseBelief predicted = anchor_->at(newest.T_odom_body, config_.drift);
+  predicted.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);
+  const Vector6d moved = local_coordinates(predicted.T_map_body, result.T_map_body);
+  diagnostics_.moved_deviations = std::sqrt(moved.dot(predicted.covariance.ldlt().solve(moved)));
+  if (!(diagnostics_.moved_deviations <= limits.reach_deviations)) return kNotConverged;
+  if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
+  if (!anchor_->keyframe && !agrees_enough_to_start()) return kTooFewMatches;
+
+  const std::optional<Matrix6d> covariance = problem_.covariance(newest.id);
+  if (!covariance) return kDegenerate;
+  result.covariance = config_.honesty.scale * config_.honesty.scale * *covariance;
+  return add_weak_directions(hold, result) ? kLocalized : kDegenerate;
+}
+
+// Along weak directions the answer is as uncertain as the prior grown by the odometry since; false
+// if that is too much.
+bool SessionLocalizer::add_weak_directions(const Hold& hold, PoseBelief& result) const {
+  if (constraint_.weak.cols() == 0) return true;
+  const KeyframeId newest = database_.newest().item.id;
+  const std::optional<Matrix6d> growth = problem_.covariance_from(hold.keyframe, newest);
+  if (!growth) return false;
+  const Pose step = inverse(problem_.pose(hold.keyframe)) * result.T_map_body;
+  const Matrix6d A = adjoint(inverse(step));
+  const Matrix6d least = A * hold.belief.covariance * A.transpose() + *growth;
+  result.covariance = widened_along(constraint_.weak, constraint_.motion, result, least);
+  const Matrix6d J = constraint_.motion.by_body(result.T_map_body).inverse();
+  const Eigen::MatrixXd weak = constraint_.weak.transpose() * J;
+  const Eigen::MatrixXd covariance = weak * result.covariance * weak.transpose();
+  const double worst = covariance.diagonal().maxCoeff();
+  return worst <= config_.acceptance.max_weak_sigma_m * config_.acceptance.max_weak_sigma_m;
+}
+
+void SessionLocalizer::store(const PoseBelief& result) {
+  for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
+  for (const WindowLandmark& landmark : problem_.landmarks()) {
+    database_.store_solution(landmark.id, landmark.p_map);
+  }
+  const SubmapKeyframe& newest = database_.newest().item;
+  anchor_ = {.keyframe = newest.id, .T_odom_body = newest.T_odom_body, .belief = result};
+}
+
+std::size_t SessionLocalizer::memory_bytes() const {
+  const auto observations = static_cast<std::size_t>(problem_.observations());
+  return sizeof(*this) + database_.memory_bytes() + observations * kBytesPerObservation +
+         database_.landmarks().size() * kBytesPerLandmark;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "cloud/localizer/degeneracy.hpp"
+#include "cloud/localizer/map_association.hpp"
+#include "cloud/localizer/pose_anchor.hpp"
+#include "cloud/localizer/rigid_alignment.hpp"
+#include "cloud/localizer/session_database.hpp"
+#include "cloud/localizer/window_problem.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/model/answer.hpp"
+#include "shared/model/session.hpp"
+
+namespace fleetloc {
+
+/// What one localization did.
+struct LocalizationDiagnostics {
+  int keyframes = 0;     ///< in the window
+  int landmarks = 0;     ///< in the window
+  int observations = 0;  ///< of them
+  int eligible = 0;      ///< landmarks known well enough to be matched
+  int covered = 0;       ///< of these, on mapped ground
+  int hidden = 0;        ///< of these, seen through a surface of the map
+  int matches = 0;       ///< of these, in the last round
+  int planar_matches = 0;
+  int rounds = 0;                 ///< of association and optimization
+  int iterations = 0;             ///< of all rounds
+  double gate_m = 0.0;            ///< of the first round, or of the alignment before it
+  bool aligned = false;           ///< the window was moved as one body first
+  double cost = 0.0;              ///< E_loc at the end
+  double median_residual = 0.0;   ///< of the matches, in standard deviations
+  double moved_deviations = 0.0;  ///< Mahalanobis distance from what odometry predicted
+  int weak_directions = 0;
+  Vector6d map_sigmas_m = Vector6d::Zero();  ///< see MapConstraint
+};
+
+/// One session of one robot: collects its submaps and localizes its newest keyframe in the laser
+/// map. The window's older keyframes and their matches carry the position from one submap to the
+/// next. What leaves the window is dropped, not marginalized: the map itself constrains what stays.
+/// Only where the map does not, a prior at the newest keyframe localized so far holds the window.
+///
+/// Deterministic, no threads, no clock.
+class SessionLocalizer {
+ public:
+  struct Rounds {
+    double final_gate_m;
+    double tracking_gate_m;  ///< of the first round, once the pose is known
+    double widest_gate_m;    ///< of the alignment, however uncertain the prior
+    double gate_deviations;  ///< of the prior, that the first gate spans
+    double shrink;           ///< of the gate from round to round
+    int most;
+    int iterations;    ///< of the solver, in each round
+    double settled_m;  ///< a round at the final gate that moves less is the last one
+  };
+  struct Acceptance {
+    int least_keyframes;
+    int least_matches;
+    double least_covered_share;  ///< of the eligible landmarks
+    double least_matched_share;  ///< of the covered landmarks
+    /// Of the first localization: the matched share of the eligible landmarks, less the share that
+    /// is off the map, less twice the share that would be seen through its surfaces.
+    double least_start_agreement;
+    double max_median_residual;  ///< of the matches, in standard deviations
+    double reach_deviations;     ///< from what odometry predicts
+    double reach_floor_m;        ///< added to that prediction's deviations
+    double reach_floor_rad;
+    double max_weak_sigma_m;  ///< of the answer, along what the map does not hold
+  };
+  struct Honesty {
+    double scale;    ///< of the standard deviations that the system states
+    double floor_m;  ///< added to them: systematic errors of map and stereo pair
+    double floor_rad;
+    double least_prior_sigma_m;  ///< of the prior along weak directions
+  };
+  struct Config {
+    SessionDatabase::Config database;
+    WindowProblem::Config problem;
+    AssociationConfig association;
+    RigidAlignment::Config alignment;
+    DegeneracyConfig degeneracy;
+    DriftConfig drift;
+    Rounds rounds;
+    Acceptance acceptance;
+    Honesty honesty;
+  };
+
+  SessionLocalizer(const RobotSession& session,
+                   std::shared_ptr<const LaserMap> map,
+                   const Config& config);
+
+  void add(const Submap& submap);
+
+  /// Localizes the newest keyframe; at least one submap must have been added. Robot, session,
+  /// localizer, epoch, acknowledgements and holding time of the answer are the caller's. A
+  /// rejection leaves the stored solution as it was.
+  Answer localize();
+
+  [[nodiscard]] const LocalizationDiagnostics& diagnostics() const { return diagnostics_; }
+  [[nodiscard]] const SessionDatabase& database() const { return database_; }
+  /// What add() has made of the items so far.
+  [[nodiscard]] const SessionDatabase::Added& added() const { return added_; }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  // Where the prior holds the window.
+  struct Hold {
+    KeyframeId keyframe{};
+    PoseBelief belief;
+  };
+
+  LocalizationStatus localize_window(const std::vector<KeyframeId>& window, PoseBelief& result);
+  [[nodiscard]] Hold hold_of(const std::vector<KeyframeId>& window) const;
+  void align(const Hold& hold);
+  LocalizationStatus optimize(const Hold& hold);
+  LocalizationStatus run_round(const Hold& hold, double gate_m);
+  void set_prior(const Hold& hold);
+  [[nodiscard]] double gate_for(const PoseBelief& belief) const;
+  void measure_fit();
+  [[nodiscard]] LocalizationStatus check_matches() const;
+  [[nodiscard]] bool agrees_enough_to_start() const;
+  LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
+  bool add_weak_directions(const Hold& hold, PoseBelief& result) const;
+  void store(const PoseBelief& result);
+
+  std::shared_ptr<const LaserMap> map_;
+  Config config_;
+  SessionDatabase database_;
+  WindowProblem problem_;
+  RigidAlignment alignment_;
+  std::optional<PoseAnchor> anchor_;  // none: there is no start pose
+  Association association_;           // of the last round
+  MapConstraint constraint_;          // of the last round
+  SessionDatabase::Added added_;
+  LocalizationDiagnostics diagnostics_;
+};
+
+SessionLocalizer::Config read_session_localizer_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,206 @@
+#include "cloud/localizer/window_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "cloud/localizer/slot_pool.hpp"
+#include "cloud/localizer/tilt_factor.hpp"
+#include "shared/factors/relative_pose_factor.hpp"
+#include "shared/factors/reprojection_factor.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kPoseSize = 7;
+constexpr std::size_t kPointSize = 3;
+
+ceres::Problem::Options problem_options() {
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.enable_fast_removal = true;
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+void write_pose(const Pose& T, double* values) {
+  const PoseParameters parameters = to_parameters(T);
+  std::copy(parameters.begin(), parameters.end(), values);
+}
+
+}  // namespace
+
+WindowProblem::WindowProblem(const RectifiedStereo& stereo, int max_keyframes, const Config& config)
+    : stereo_(stereo),
+      config_(config),
+      reprojection_loss_(config.reprojection_kernel),
+      map_loss_(config.map_kernel),
+      pose_pool_(std::make_unique<SlotPool>(static_cast<std::size_t>(max_keyframes), kPoseSize)),
+      point_pool_(
+          std::make_unique<SlotPool>(static_cast<std::size_t>(config.max_landmarks), kPointSize)),
+      problem_(problem_options()) {}
+
+WindowProblem::~WindowProblem() = default;
+
+void WindowProblem::synchronize(const SessionDatabase& database,
+                                const std::map<KeyframeId, Pose>& poses) {
+  clear_prior();
+  if (tilt_ != nullptr) problem_.RemoveResidualBlock(std::exchange(tilt_, nullptr));
+  remove_edges(database, poses);
+  remove_keyframes(database, poses);
+  add_keyframes(database, poses);
+  add_edges(database);
+  add_observations(placed_landmarks(database, poses, stereo_));
+  if (config_.use_tilt && !poses.empty()) {
+    add_tilt(database.keyframe(poses.begin()->first).item);
+  }
+}
+
+void WindowProblem::remove_edges(const SessionDatabase& database,
+                                 const std::map<KeyframeId, Pose>& poses) {
+  std::erase_if(edges_, [&](const auto& entry) {
+    const auto& [to, edge] = entry;
+    const VirtualEdge* wanted = poses.contains(to) ? database.edge_into(to) : nullptr;
+    const bool stays = wanted != nullptr && poses.contains(wanted->from) &&
+                       wanted->from == edge.from && wanted->revision == edge.revision;
+    if (!stays) problem_.RemoveResidualBlock(edge.factor);
+    return !stays;
+  });
+}
+
+// Residuals go before the parameters they hang on: Ceres would remove them in the order of their
+// addresses.
+void WindowProblem::remove_keyframes(const SessionDatabase& database,
+                                     const std::map<KeyframeId, Pose>& poses) {
+  for (auto node = keyframes_.begin(); node != keyframes_.end();) {
+    const auto& [id, keyframe] = *node;
+    const bool stays =
+        poses.contains(id) && database.keyframe(id).item.revision == keyframe.revision;
+    if (stays) {
+      ++node;
+      continue;
+    }
+    for (std::size_t i = 0; i < keyframe.factors.size(); ++i) {
+      if (keyframe.factors[i] == nullptr) continue;
+      problem_.RemoveResidualBlock(keyframe.factors[i]);
+      --landmarks_.at(keyframe.observations[i].landmark).observations;
+      --observations_;
+    }
+    if (const auto edge = edges_.find(id); edge != edges_.end()) {
+      problem_.RemoveResidualBlock(edge->second.factor);
+      edges_.erase(edge);
+    }
+    std::erase_if(edges_, [&](const auto& entry) {
+      const bool starts_here = entry.second.from == id;
+      if (starts_here) problem_.RemoveResidualBlock(entry.second.factor);
+      return starts_here;
+    });
+    problem_.RemoveParameterBlock(keyframe.pose);
+    pose_pool_->give_back(keyframe.pose);
+    node = keyframes_.erase(node);
+  }
+}
+
+void WindowProblem::add_keyframes(const SessionDatabase& database,
+                                  const std::map<KeyframeId, Pose>& poses) {
+  for (const auto& [id, T_map_body] : poses) {
+    const auto [place, is_new] = keyframes_.try_emplace(id);
+    KeyframeNode& node = place->second;
+    if (is_new) {
+      const SubmapKeyframe& item = database.keyframe(id).item;
+      node.pose = pose_pool_->take();
+      node.revision = item.revision;
+      node.observations = item.observations;
+      node.factors.assign(item.observations.size(), nullptr);
+      problem_.AddParameterBlock(node.pose, kPoseSize, &manifold_);
+    }
+    write_pose(T_map_body, node.pose);
+  }
+}
+
+void WindowProblem::add_edges(const SessionDatabase& database) {
+  for (const auto& [to, node] : keyframes_) {
+    const VirtualEdge* edge = database.edge_into(to);
+    if (edge == nullptr || edges_.contains(to) || !keyframes_.contains(edge->from)) continue;
+    const auto factor =
+        problem_.AddResidualBlock(new RelativePoseFactor(edge->T_from_to, edge->information),
+                                  nullptr,
+                                  keyframes_.at(edge->from).pose,
+                                  node.pose);
+    edges_[to] = {edge->from, edge->revision, factor};
+  }
+}
+
+void WindowProblem::add_observations(const LandmarkPositions& positions) {
+  for (auto& [id, keyframe] : keyframes_) {
+    for (std::size_t i = 0; i < keyframe.factors.size(); ++i) {
+      const LandmarkId landmark = keyframe.observations[i].landmark;
+      if (keyframe.factors[i] != nullptr || !positions.contains(landmark)) continue;
+      add_observation(keyframe, i);
+    }
+  }
+  for (auto landmark = landmarks_.begin(); landmark != landmarks_.end();) {
+    if (landmark->second.observations == 0) {
+      landmark = remove_landmark(landmark);
+      continue;
+    }
+    const auto position = positions.find(landmark->first);
+    if (position != positions.end()) {
+      Eigen::Map<Eigen::Vector3d>{landmark->second.point} = position->second;
+    }
+    ++landmark;
+  }
+}
+
+void WindowProblem::add_observation(KeyframeNode& keyframe, std::size_t index) {
+  const StereoObservation& seen = keyframe.observations[index];
+  const auto [place, is_new] = landmarks_.try_emplace(seen.landmark);
+  LandmarkNode& landmark = place->second;
+  if (is_new) {
+    if (point_pool_->is_full()) {
+      landmarks_.erase(place);
+      return;
+    }
+    landmark.point = point_pool_->take();
+    problem_.AddParameterBlock(landmark.point, kPointSize);
+  }
+  const StereoNoise noise{config_.pixel_sigma_px};
+  ceres::CostFunction* factor = nullptr;
+  if (seen.disparity > 0.0) {
+    factor = new StereoReprojectionFactor(seen, stereo_, noise);
+  } else {
+    factor = new MonoReprojectionFactor(seen, stereo_, noise);
+  }
+  keyframe.factors[index] =
+      problem_.AddResidualBlock(factor, &reprojection_loss_, keyframe.pose, landmark.point);
+  ++landmark.observations;
+  ++observations_;
+}
+
+std::map<LandmarkId, WindowProblem::LandmarkNode>::iterator WindowProblem::remove_landmark(
+    std::map<LandmarkId, LandmarkNode>::iterator landmark) {
+  set_match(landmark->second, nullptr);
+  problem_.RemoveParameterBlock(landmark->second.point);
+  point_pool_->give_back(landmark->second.point);
+  return landmarks_.erase(landmark);
+}
+
+void WindowProblem::add_tilt(const SubmapKeyframe& oldest) {
+  const Eigen::Vector3d up_body = oldest.T_odom_body.R.conjugate() * Eigen::Vector3d::UnitZ();
+  const double sigma = std::hypot(oldest.tilt_sigma, config_.map_tilt_sigma_rad);
+  tilt_ = problem_.AddResidualBlock(
+      new TiltFactor(up_body, sigma), nullptr, keyframes_.at(oldest.id).pose);
+}
+
+WindowProblem::Config read_window_problem_config(ConfigReader section) {
+  return {.pixel_sigma_px = section.positive("pixel_sigma_px"),
+          .reprojection_kernel = section.positive("reprojection_kernel"),
+          .map_kernel = section.positive("map_kernel"),
+          .use_tilt = section.get<bool>("use_tilt"),
+          .map_tilt_sigma_rad = section.positive("map_tilt_sigma_rad"),
+          .max_landmarks = section.integer("max_landmarks", 100, 100000),
+          .function_tolerance = section.positive("function_tolerance")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,158 @@
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+
+#include "cloud/localizer/degeneracy.hpp"
+#include "cloud/localizer/map_association.hpp"
+#include "cloud/localizer/pose_anchor.hpp"
+#include "cloud/localizer/tilt_factor.hpp"
+#include "shared/geometry/so3.hpp"
+#include "shared/simulation/counter_random.hpp"
+#include "simulated_session.hpp"
+
+namespace fleetloc {
+namespace {
+
+const Pose kPose{exp_so3({0.3, -0.5, 2.0}), {1.0, -2.0, 0.5}};
+
+// Matches on planes given by their normals, 3 m from the middle, with noise on the normals.
+std::vector<MapMatch> matches_on(const std::vector<Eigen::Vector3d>& normals, int per_plane) {
+  std::vector<MapMatch> matches;
+  for (const Eigen::Vector3d& normal : normals) {
+    const CounterRandom random(7, matches.size());
+    for (int i = 0; i < per_plane; ++i) {
+      const auto counter = static_cast<std::uint64_t>(2 * i);
+      MapMatch match;
+      Eigen::Vector3d along = 2.0 * random.normal3(counter);
+      along -= normal * normal.dot(along);
+      match.landmark.p_map = 3.0 * normal + along;
+      match.q_map = match.landmark.p_map;
+      match.normal = (normal + 0.02 * random.normal3(counter + 1)).normalized();
+      match.is_planar = true;
+      match.sigma_m = 0.03;
+      matches.push_back(match);
+    }
+  }
+  return matches;
+}
+
+TEST(TiltFactor, HasTheJacobianOfItsResidualAndIsBlindToYawAndPosition) {
+  const TiltFactor factor(Eigen::Vector3d(0.1, -0.3, 0.9).normalized(), 0.01);
+  const auto residual = [&](const Pose& T) {
+    const PoseParameters values = to_parameters(T);
+    const double* parameters[] = {values.data()};
+    Eigen::Vector2d r;
+    factor.Evaluate(parameters, r.data(), nullptr);
+    return r;
+  };
+  const PoseParameters values = to_parameters(kPose);
+  const double* parameters[] = {values.data()};
+  Eigen::Vector2d r;
+  Eigen::Matrix<double, 2, 7, Eigen::RowMajor> J;
+  double* jacobians[] = {J.data()};
+  factor.Evaluate(parameters, r.data(), jacobians);
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d step = 1e-6 * Vector6d::Unit(i);
+    const Eigen::Vector2d numeric =
+        (residual(retract(kPose, step)) - residual(retract(kPose, -step))) / 2e-6;
+    EXPECT_LT((J.col(i) - numeric).norm(), 1e-6);
+  }
+  const Pose turned{exp_so3({0.0, 0.0, 1.0}) * kPose.R, kPose.p + Eigen::Vector3d(1.0, 2.0, 3.0)};
+  EXPECT_LT((residual(turned) - r).norm(), 1e-9);
+}
+
+TEST(WindowMotion, MovesABodyAsItsJacobianSays) {
+  const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
+  const Matrix6d J = motion.by_body(kPose);
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d coordinates = 1e-6 * Vector6d::Unit(i);
+    const Eigen::Quaterniond R = exp_so3(coordinates.head<3>() / motion.lever_m);
+    const Pose moved{R * kPose.R,
+                     motion.center_map + R * (kPose.p - motion.center_map) + coordinates.tail<3>()};
+    EXPECT_LT((local_coordinates(kPose, moved) / 1e-6 - J.col(i)).norm(), 1e-5);
+  }
+}
+
+TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
+  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  EXPECT_EQ(analyze_map_constraint(matches_on({x}, 400), config).weak.cols(), 3);
+  EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config).weak.cols(), 0);
+  EXPECT_EQ(analyze_map_constraint({}, config).weak.cols(), 6);
+
+  const MapConstraint corridor = analyze_map_constraint(matches_on({y, -y, z, -z}, 100), config);
+  ASSERT_EQ(corridor.weak.cols(), 1);
+  EXPECT_GT(std::abs(corridor.weak(3, 0)), 0.99);
+  EXPECT_GT(corridor.sigmas_m(0), 0.1);
+  EXPECT_LT(corridor.sigmas_m(1), 0.01);
+}
+
+TEST(MapConstraint, CountsAnUncertainLandmarkLess) {
+  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  std::vector<MapMatch> matches = matches_on({Eigen::Vector3d::UnitX()}, 100);
+  const double before = analyze_map_constraint(matches, config).sigmas_m(5);
+  for (MapMatch& match : matches) match.landmark.covariance.setIdentity();
+  EXPECT_GT(analyze_map_constraint(matches, config).sigmas_m(5), 20.0 * before);
+}
+
+TEST(PoseAnchor, HoldsWeakDirectionsOnlyAndNeverClaimsToKnowThemBetter) {
+  const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
+  Eigen::Matrix<double, 6, Eigen::Dynamic> weak(6, 2);
+  weak << Vector6d::Unit(3), Vector6d::Unit(2);
+  const Matrix6d by_body = motion.by_body(kPose);
+  const Matrix6d wide = 0.04 * Matrix6d::Identity();
+  const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
+
+  const Matrix6d information = information_along(weak, motion, {kPose, wide}, 1e-6);
+  EXPECT_LT((information * by_body.col(0)).norm(), 1e-9);
+  EXPECT_LT((information * by_body.col(5)).norm(), 1e-9);
+  EXPECT_GT(by_body.col(3).dot(information * by_body.col(3)), 1.0);
+
+  const Matrix6d W = by_body.inverse();
+  const Matrix6d expected = W * wide * W.transpose();
+  const Matrix6d widened = W * widened_along(weak, motion, {kPose, narrow}, wide) * W.transpose();
+  EXPECT_NEAR(widened(3, 3), expected(3, 3), 1e-9);
+  EXPECT_NEAR(widened(2, 2), expected(2, 2), 1e-9);
+  EXPECT_NEAR(widened(4, 4), (W * narrow * W.transpose())(4, 4), 1e-9);
+  EXPECT_TRUE(widened_along(weak, motion, {kPose, wide}, narrow).isApprox(wide));
+}
+
+TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {
+  std::vector<MapPoint> points;
+  for (int i = 0; i < 100; ++i) {
+    const auto x = static_cast<float>(i % 10);
+    const auto y = static_cast<float>(i / 10);
+    points.push_back({{0.1F * x, 0.1F * y, 0.0F}, Eigen::Vector3f::UnitZ(), 1.0F});
+  }
+  const LaserMap map(points, {.frame = "map", .resolution_m = 0.1});
+  const AssociationConfig config = localizer_config().association;
+  const auto landmark = [](unsigned id, double x, double z) {
+    return WindowLandmark{
+        LandmarkId{id}, {x, 0.05, z}, {0.5, 0.5, 2.0}, 1e-6 * Eigen::Matrix3d::Identity()};
+  };
+  const auto one = associate({landmark(1, 0.1, 0.02)}, map, 0.12, config);
+  ASSERT_EQ(one.matches.size(), 1U);
+  EXPECT_DOUBLE_EQ(one.matches[0].sigma_m, config.plane_sigma_m);
+  EXPECT_DOUBLE_EQ(one.matches[0].widening, 1.0);
+
+  std::vector<WindowLandmark> crowd;
+  for (unsigned i = 0; i < 8; ++i) crowd.push_back(landmark(i, 0.02 * i, 0.02));
+  const auto many = associate(crowd, map, 0.12, config);
+  ASSERT_EQ(many.matches.size(), 8U);
+  EXPECT_NEAR(many.matches[0].sigma_m, config.plane_sigma_m * std::sqrt(4.0), 1e-9);
+
+  WindowLandmark far = landmark(1, 0.1, 0.3);
+  EXPECT_EQ(associate({far}, map, 0.12, config).matches.size(), 0U);
+  EXPECT_EQ(associate({far}, map, 0.12, config).covered, 1);
+  far.covariance(2, 2) = 0.04;
+  EXPECT_EQ(associate({far}, map, 0.12, config).matches.size(), 1U);
+  far.covariance(2, 2) = 1.0;
+  EXPECT_EQ(associate({far}, map, 0.12, config).eligible, 0);
+}
+
+}  // namespace
+}  // namespace fleetloc

@@ -1,0 +1,149 @@
+#include "cloud/localizer/session_database.hpp"
+
+#include <gmock/gmock.h>
+
+namespace fleetloc {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr int kWindow = 5;
+
+Pose at(double x) {
+  return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}};
+}
+
+SubmapKeyframe keyframe(unsigned id, std::vector<unsigned> landmarks = {}, unsigned revision = 0) {
+  SubmapKeyframe item;
+  item.id = KeyframeId{id};
+  item.revision = Revision{revision};
+  item.T_odom_body = at(id);
+  for (const unsigned landmark : landmarks) {
+    item.observations.push_back({LandmarkId{landmark}, {0.0, 0.0}, 1.0});
+  }
+  return item;
+}
+
+VirtualEdge edge(unsigned from, unsigned to, double length = 1.0, unsigned revision = 0) {
+  return {KeyframeId{from}, KeyframeId{to}, Revision{revision}, at(length), Matrix6d::Identity()};
+}
+
+// Keyframes in a row, each with an edge to the one before and a landmark of its own.
+SessionDatabase row(unsigned first, unsigned last) {
+  SessionDatabase database({.window = kWindow});
+  for (unsigned id = first; id <= last; ++id) {
+    Submap submap;
+    submap.keyframes = {keyframe(id, {id})};
+    if (id > first) submap.edges = {edge(id - 1, id)};
+    database.add(submap);
+  }
+  return database;
+}
+
+TEST(SessionDatabase, KeepsTheNewestRevisionAndCountsNothingTwice) {
+  SessionDatabase database = row(1, 3);
+  Submap again;
+  again.keyframes = {keyframe(2, {2}), keyframe(3, {7, 8}, 1)};
+  again.edges = {edge(1, 2), edge(2, 3, 5.0, 1)};
+  EXPECT_EQ(database.add(again), (SessionDatabase::Added{.stored = 2, .repeated = 2}));
+  EXPECT_EQ(database.keyframes().size(), 3U);
+  EXPECT_EQ(database.newest().item.observations.size(), 2U);
+  EXPECT_EQ(database.edge_into(KeyframeId{3})->T_from_to.p.x(), 5.0);
+  EXPECT_FALSE(database.landmarks().contains(LandmarkId{3}));  // nobody observes it any more
+
+  Submap older;
+  older.keyframes = {keyframe(3, {3}, 0)};
+  older.edges = {edge(2, 3, 1.0, 0)};
+  EXPECT_EQ(database.add(older), (SessionDatabase::Added{.repeated = 2}));
+  EXPECT_EQ(database.newest().item.revision, Revision{1});
+}
+
+TEST(SessionDatabase, KeepsSolutionsWhenItemsAreSentAgain) {
+  SessionDatabase database = row(1, 2);
+  database.store_solution(KeyframeId{2}, at(20.0));
+  database.store_solution(LandmarkId{2}, Eigen::Vector3d(1.0, 2.0, 3.0));
+  Submap again;
+  again.keyframes = {keyframe(2, {2}, 1)};
+  again.landmarks = {{LandmarkId{2}, Eigen::Vector3d(9.0, 9.0, 9.0)}};
+  database.add(again);
+  EXPECT_EQ(database.newest().T_map_body->p, at(20.0).p);
+  EXPECT_EQ(*database.landmarks().at(LandmarkId{2}).p_map, Eigen::Vector3d(1.0, 2.0, 3.0));
+}
+
+TEST(SessionDatabase, KeepsEstimatesRelativeToTheNewestKeyframeThatSawTheLandmark) {
+  SessionDatabase database({.window = kWindow});
+  Submap submap;
+  submap.keyframes = {keyframe(1, {5}), keyframe(2, {5}), keyframe(3)};
+  submap.landmarks = {{LandmarkId{5}, Eigen::Vector3d(2.5, 0.0, 0.0)}};
+  database.add(submap);
+  const auto& estimate = database.landmarks().at(LandmarkId{5}).estimate;
+  ASSERT_TRUE(estimate);
+  EXPECT_EQ(estimate->keyframe, KeyframeId{2});
+  EXPECT_EQ(estimate->p_body, Eigen::Vector3d(0.5, 0.0, 0.0));
+}
+
+TEST(SessionDatabase, LeavesUnconnectedPiecesOutUntilAnEdgeJoinsThem) {
+  SessionDatabase database({.window = kWindow});
+  Submap submap;
+  submap.keyframes = {keyframe(1), keyframe(2), keyframe(4), keyframe(5)};
+  submap.edges = {edge(1, 2), edge(3, 4), edge(4, 5)};  // 3 itself is lost
+  database.add(submap);
+  EXPECT_THAT(database.window(), ElementsAre(KeyframeId{4}, KeyframeId{5}));
+
+  Submap late;
+  late.keyframes = {keyframe(4)};
+  late.edges = {edge(2, 4, 2.0)};
+  database.add(late);
+  EXPECT_THAT(database.window(),
+              ElementsAre(KeyframeId{1}, KeyframeId{2}, KeyframeId{4}, KeyframeId{5}));
+}
+
+TEST(SessionDatabase, UsesTheShortestOfTheEdgesThatSpanTheSameTime) {
+  SessionDatabase database = row(1, 4);
+  Submap composed;
+  composed.keyframes = {keyframe(4)};
+  composed.edges = {edge(1, 4, 3.0), edge(2, 4, 2.0)};
+  database.add(composed);
+  EXPECT_EQ(database.edge_into(KeyframeId{4})->from, KeyframeId{3});
+}
+
+TEST(SessionDatabase, PlacesNewKeyframesAlongEdgesFromTheLastSolvedOne) {
+  SessionDatabase database = row(1, 4);
+  const std::vector<KeyframeId> window = database.window();
+  EXPECT_EQ(database.placed(window, at(100.0)).at(KeyframeId{3}).p, at(103.0).p);
+
+  database.store_solution(KeyframeId{2}, at(50.0));
+  const auto poses = database.placed(window, at(100.0));
+  EXPECT_EQ(poses.at(KeyframeId{1}).p, at(101.0).p);
+  EXPECT_EQ(poses.at(KeyframeId{2}).p, at(50.0).p);
+  EXPECT_EQ(poses.at(KeyframeId{4}).p, at(52.0).p);
+}
+
+TEST(SessionDatabase, ForgetsWhatLiesBehindTheWindow) {
+  SessionDatabase database = row(1, 100);
+  EXPECT_EQ(database.keyframes().size(), 5U);
+  EXPECT_EQ(database.landmarks().size(), 5U);
+  const std::size_t bytes = row(1, 1000).memory_bytes();
+  EXPECT_LE(bytes, database.memory_bytes() + 100);
+
+  Submap old;
+  old.keyframes = {keyframe(7, {7})};
+  old.edges = {edge(6, 7), edge(94, 95)};
+  EXPECT_EQ(database.add(old), (SessionDatabase::Added{.stale = 3}));
+  EXPECT_FALSE(database.landmarks().contains(LandmarkId{7}));
+}
+
+TEST(SessionDatabase, StaysBoundedWhenOneKeyframeIsRevisedForEver) {
+  SessionDatabase database = row(1, 5);
+  for (unsigned revision = 1; revision < 200; ++revision) {
+    Submap submap;
+    submap.keyframes = {keyframe(5, {100 + revision}, revision)};
+    submap.edges = {edge(4, 5, 1.0, revision), edge(1000, 1000 + revision)};
+    database.add(submap);
+  }
+  EXPECT_EQ(database.landmarks().size(), 5U);
+  EXPECT_LE(database.memory_bytes(), row(1, 5).memory_bytes() + 100);
+}
+
+}  // namespace
+}  // namespace fleetloc
