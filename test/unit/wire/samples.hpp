@@ -41,7 +41,7 @@ inline Submap some_submap(int keyframes = 3, int observations = 5) {
     SubmapKeyframe keyframe{
         .id = KeyframeId{static_cast<std::uint32_t>(100 + 2 * k)},
         .revision = Revision{static_cast<std::uint32_t>(k + 1)},
-        .stamp = Timestamp{Duration{1'403'636'579'763'555'584 + k * 500'000'001}},
+        .stamp = Timestamp{Duration{1'403'636'579'763'555'584 + k * std::int64_t{500'000'001}}},
         .T_odom_body = some_pose(0.1 * k),
         .tilt_sigma = 0.004,
         .observations = {}};
