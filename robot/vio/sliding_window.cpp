@@ -193,6 +193,7 @@ void SlidingWindow::State::optimize_and_slide(int rounds) {
     diagnostics.outliers_removed += removed;
   }
   const Eigen::MatrixXd covariance = covariance_of(graph, config);
+  diagnostics.converged = diagnostics.converged && covariance.allFinite();
   report(diagnostics, covariance);
   if (graph.keyframes.size() >= static_cast<std::size_t>(config.keyframes)) {
     slide(covariance);

@@ -34,7 +34,7 @@ std::optional<Pose> StereoOdometry::add(const TrackedFrame& frame) {
 }
 
 // First with every point under the robust kernel, because the prediction may be far off, then
-// without outliers.
+// with a limit that tightens.
 std::optional<Pose> StereoOdometry::align(const TrackedFrame& frame) const {
   std::vector<KnownPoint> points;
   for (const StereoObservation& seen : frame.observations) {
@@ -44,10 +44,10 @@ std::optional<Pose> StereoOdometry::align(const TrackedFrame& frame) const {
   }
   Pose T_first_body = T_first_last_ * T_before_last_;
   PoseSystem system;
-  for (const double outlier_sigmas :
-       {std::numeric_limits<double>::infinity(), config_.outlier_sigmas}) {
+  for (const double looser : {std::numeric_limits<double>::infinity(), 4.0, 1.0}) {
     for (int i = 0; i < config_.iterations; ++i) {
-      system = linearize(points, stereo_, T_first_body, {config_.huber_sigmas, outlier_sigmas});
+      system = linearize(
+          points, stereo_, T_first_body, {config_.huber_sigmas, looser * config_.outlier_sigmas});
       if (system.inliers < config_.min_inliers) {
         return std::nullopt;
       }

@@ -30,7 +30,7 @@ struct WindowDiagnostics {
   double initial_cost = 0.0;  ///< 0.5 * robust squared residuals
   double final_cost = 0.0;
   int iterations = 0;
-  bool converged = false;    ///< to a usable solution, by the solver's own word
+  bool converged = false;    ///< to a usable solution; false: trust nothing of this estimate
   int observations = 0;      ///< that took part
   int outliers_removed = 0;  ///< observations that failed the chi-square test afterwards
 };

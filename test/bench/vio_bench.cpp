@@ -1,0 +1,110 @@
+// What one keyframe and one frame cost: windows of ten keyframes over a simulated flight with the
+// default configuration, 150 features a frame.
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "robot/vio/vio_config.hpp"
+#include "shared/config/default_config.hpp"
+#include "shared/simulation/simulated_run.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr int kKeyframeFrames = 6;
+constexpr int kKeyframes = 40;
+
+SimulatedRun::Config noisy() {
+  SimulatedRun::Config config;
+  config.imu_white_noise = true;
+  config.pixel_sigma = 0.5;
+  return config;
+}
+
+struct Flight {
+  SimulatedRun run{noisy()};
+  VioConfig config =
+      read_vio_config(ConfigReader::from_string(default_config("robot")).section("vio"));
+  ImuBuffer imu;
+  std::vector<KeyframeInput> keyframes;
+
+  Flight() {
+    const int last = kKeyframes * kKeyframeFrames;
+    for (const ImuSample& sample : run.imu(run.frame_stamp(0), run.frame_stamp(last))) {
+      imu.add(sample);
+    }
+    for (int i = 0; i < kKeyframes; ++i) {
+      const int frame = i * kKeyframeFrames;
+      KeyframeInput input{KeyframeId{static_cast<std::uint32_t>(i)}, run.frame(frame), {}};
+      if (i > 0) {
+        input.imu = imu.between(run.frame_stamp(frame - kKeyframeFrames), input.frame.stamp);
+      }
+      keyframes.push_back(std::move(input));
+    }
+  }
+
+  // The first ten keyframes, with true states.
+  SlidingWindow window() const {
+    Initialization start;
+    for (std::size_t i = 0; i < 10; ++i) {
+      start.keyframes.push_back(keyframes[i]);
+      start.states.push_back(run.truth(keyframes[i].frame.stamp));
+    }
+    return {run.stereo(), run.noise(), config.window, start};
+  }
+};
+
+void BM_Keyframe(benchmark::State& state) {
+  const Flight flight;
+  SlidingWindow window = flight.window();
+  std::size_t next = 10;
+  double iterations = 0.0;
+  double observations = 0.0;
+  for (auto _ : state) {
+    if (next == flight.keyframes.size()) {
+      state.PauseTiming();
+      window = flight.window();
+      next = 10;
+      state.ResumeTiming();
+    }
+    const WindowEstimate estimate = window.add(flight.keyframes[next++]);
+    iterations += estimate.diagnostics.iterations;
+    observations += estimate.diagnostics.observations;
+  }
+  state.counters["iterations"] = benchmark::Counter(iterations, benchmark::Counter::kAvgIterations);
+  state.counters["observations"] =
+      benchmark::Counter(observations, benchmark::Counter::kAvgIterations);
+}
+BENCHMARK(BM_Keyframe)->Unit(benchmark::kMillisecond);
+
+void BM_Frame(benchmark::State& state) {
+  const Flight flight;
+  FrameEstimator estimator(flight.run.stereo(), flight.run.noise(), flight.config.frame_estimator);
+  estimator.update(std::make_shared<WindowEstimate>(flight.window().estimate()));
+  const TrackedFrame frame =
+      flight.run.frame(9 * kKeyframeFrames + static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(estimator.estimate(frame, flight.imu));
+  }
+}
+BENCHMARK(BM_Frame)->Arg(1)->Arg(8)->Unit(benchmark::kMicrosecond);
+
+void BM_Initialization(benchmark::State& state) {
+  const Flight flight;
+  for (auto _ : state) {
+    Initializer initializer(flight.run.stereo(), flight.run.noise(), flight.config.initializer);
+    std::optional<Initialization> result;
+    for (int i = 0; i < 60 && !result.has_value(); ++i) {
+      const Timestamp stamp = flight.run.frame_stamp(i);
+      result = initializer.add(flight.run.frame(i),
+                               i == 0 ? std::vector<ImuSample>{}
+                                      : flight.imu.between(flight.run.frame_stamp(i - 1), stamp));
+    }
+    benchmark::DoNotOptimize(result);
+  }
+}
+BENCHMARK(BM_Initialization)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace fleetloc
