@@ -1,14 +1,13 @@
 #include "cloud/node/cloud_node.hpp"
 
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
-#include "cloud/node/worker_pool.hpp"
 #include "cloud/pool/sessions_report.hpp"
-#include "shared/transport/dds_channel.hpp"
 
 namespace fleetloc {
 namespace {
@@ -25,20 +24,30 @@ Timestamp steady_now() {
 // Later starts have higher numbers, whatever happened to the earlier ones.
 Epoch epoch_of_this_start() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return Epoch{static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::seconds>(now).count())};
+  return Epoch{
+      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count())};
+}
+
+DdsChannel::Config channel_config(const CloudNodeOptions& options) {
+  load_qos_profiles(options.qos);
+  return {.domain = options.domain,
+          .participant_profile = "cloud",
+          .role = ChannelRole::kCloud,
+          .name = options.name,
+          .link = options.link};
 }
 
 /// Share of the workers' time in use, smoothed over a few seconds.
 class Load {
  public:
   explicit Load(int workers) : workers_(workers), last_(steady_now()) {}
-  void add(Duration busy) { busy_ += busy; }
-  double update(Timestamp now) {
-    const double elapsed = to_seconds(now - last_);
-    if (elapsed < 1.0) return load_;
-    load_ = 0.5 * load_ + 0.5 * to_seconds(busy_) / (elapsed * workers_);
-    busy_ = {};
+
+  /// @param busy  since the last measurement; set to zero when it has been taken over
+  double measure(Duration& busy, Timestamp now) {
+    const double elapsed_s = to_seconds(now - last_);
+    if (elapsed_s < 1.0) return load_;
+    load_ = 0.5 * load_ + 0.5 * to_seconds(busy) / (elapsed_s * workers_);
+    busy = {};
     last_ = now;
     return load_;
   }
@@ -46,53 +55,64 @@ class Load {
  private:
   int workers_;
   Timestamp last_;
-  Duration busy_{};
   double load_ = 0.0;
 };
 
-void serve(DdsChannel& channel, LocalizerPool& pool, int worker_count,
-           const std::stop_token& stop) {
-  WorkerPool workers(worker_count);
-  Load load(worker_count);
-  while (!stop.stop_requested()) {
-    channel.wait_for_message(kPatience);
-    for (const Message& message : channel.receive(steady_now())) {
-      pool.receive(message, steady_now());
-    }
-    while (auto finished = workers.take()) {
-      load.add(finished->cpu);
-      pool.finish(finished->job, std::move(finished->answer), 1e3 * to_seconds(finished->cpu),
-                  steady_now());
-    }
-    while (workers.has_room()) {
-      auto job = pool.take_job();
-      if (!job) break;
-      workers.start(std::move(*job));
-    }
-    const Timestamp now = steady_now();
-    for (auto& outgoing : pool.outgoing(now, load.update(now))) {
-      channel.send(outgoing.partition, std::move(outgoing.message), now);
-    }
-  }
+std::filesystem::path created(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
+  return folder;
 }
 
 }  // namespace
 
-void serve_map(const CloudNodeOptions& options, const LocalizerPool::Config& config,
-               const std::stop_token& stop) {
-  std::filesystem::create_directories(options.out);
-  const auto map = std::make_shared<const LaserMap>(load_map(options.map));
-  spdlog::info("{}: map {} with {} points", options.name, options.map.string(), map->size());
-  DdsChannel channel({.domain = options.domain,
-                      .qos_file = options.qos,
-                      .role = DdsRole::kCloud,
-                      .name = options.name,
-                      .link = options.link});
-  LocalizerPool pool(options.name, epoch_of_this_start(), map, config);
-  spdlog::info("{}: serving on DDS domain {}", options.name, options.domain);
-  serve(channel, pool, options.workers, stop);
-  write_sessions(options.out / "sessions.json", pool.reports());
-  spdlog::info("{}: stopped, {} robots served", options.name, pool.sessions());
+CloudNode::CloudNode(const CloudNodeOptions& options, const LocalizerPool::Config& config)
+    : options_(options),
+      map_(std::make_shared<const LaserMap>(load_map(options.map))),
+      channel_(channel_config(options)),
+      pool_(options.name, epoch_of_this_start(), map_, config) {
+  options_.out = created(options.out);
+}
+
+void CloudNode::run(const std::stop_token& stop) {
+  spdlog::info("{}: serving {} with {} points on DDS domain {}",
+               options_.name,
+               options_.map.string(),
+               map_->size(),
+               options_.domain);
+  {
+    WorkerPool workers(options_.workers);
+    Load load(options_.workers);
+    while (!stop.stop_requested()) {
+      channel_.wait_for_message(kPatience);
+      for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
+      finish_jobs(workers);
+      start_jobs(workers);
+      const Timestamp now = steady_now();
+      for (auto& outgoing : pool_.outgoing(now, load.measure(busy_, now))) {
+        channel_.send(outgoing.partition, std::move(outgoing.message), now);
+      }
+    }
+  }
+  write_sessions(options_.out / "sessions.json", pool_.reports());
+  spdlog::info("{}: stopped, {} robots served", options_.name, pool_.sessions());
+}
+
+void CloudNode::finish_jobs(WorkerPool& workers) {
+  while (auto finished = workers.take()) {
+    busy_ += finished->cpu;
+    pool_.finish(
+        finished->job, std::move(finished->answer), 1e3 * to_seconds(finished->cpu), steady_now());
+  }
+}
+
+void CloudNode::start_jobs(WorkerPool& workers) {
+  while (workers.has_room()) {
+    auto job = pool_.take_job();
+    if (!job) return;
+    workers.start(std::move(*job));
+  }
 }
 
 }  // namespace fleetloc

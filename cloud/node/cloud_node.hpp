@@ -2,12 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 
+#include "cloud/laser_map/laser_map.hpp"
+#include "cloud/node/worker_pool.hpp"
 #include "cloud/pool/localizer_pool.hpp"
 #include "shared/link/link_model.hpp"
+#include "shared/transport/dds_channel.hpp"
 
 namespace fleetloc {
 
@@ -21,9 +25,24 @@ struct CloudNodeOptions {
   std::optional<LinkConfig> link;
 };
 
-/// Serves robots until a stop is requested, then writes sessions.json. Throws TransportError or
-/// std::runtime_error if it cannot start.
-void serve_map(const CloudNodeOptions& options, const LocalizerPool::Config& config,
-               const std::stop_token& stop);
+/// A localizer on the network: everything that can fail before it starts fails in the constructor
+/// (TransportError, std::runtime_error).
+class CloudNode {
+ public:
+  CloudNode(const CloudNodeOptions& options, const LocalizerPool::Config& config);
+
+  /// Serves robots until a stop is requested, then writes sessions.json.
+  void run(const std::stop_token& stop);
+
+ private:
+  void finish_jobs(WorkerPool& workers);
+  void start_jobs(WorkerPool& workers);
+
+  CloudNodeOptions options_;
+  std::shared_ptr<const LaserMap> map_;
+  DdsChannel channel_;
+  LocalizerPool pool_;
+  Duration busy_{};  // of the workers, since the load was last measured
+};
 
 }  // namespace fleetloc

@@ -5,7 +5,10 @@
 
 #include "shared/config/config_reader.hpp"
 #include "shared/protocol/session_rule.hpp"
-#include "shared/wire/codec.hpp"
+#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/session_codec.hpp"
+#include "shared/wire/status_codec.hpp"
+#include "shared/wire/submap_codec.hpp"
 
 namespace fleetloc {
 
@@ -21,7 +24,7 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
 }
 
 void LocalizerPool::receive_session(const Bytes& payload) {
-  auto decoded = decode_session(payload);
+  auto decoded = decode_robot_session(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
     ++undecodable_[std::string(name(*reason))];
     return;
@@ -33,11 +36,9 @@ void LocalizerPool::receive_session(const Bytes& payload) {
     ++undecodable_["too_many_sessions"];
     return;
   }
-  Robot& robot =
-      known != robots_.end()
-          ? known->second
-          : robots_.emplace(session.robot, Robot{.repetition = Repetition(config_.repetition)})
-                .first->second;
+  Robot& robot = known != robots_.end()
+                     ? known->second
+                     : robots_.emplace(session.robot, Robot(config_.repetition)).first->second;
   switch (judge(robot.session, session)) {
     case SessionVerdict::kReplaces:
       robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);

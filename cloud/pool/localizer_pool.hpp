@@ -86,6 +86,8 @@ class LocalizerPool {
     Timestamp received;
   };
   struct Robot {
+    explicit Robot(const Repetition::Config& config) : repetition(config) {}
+
     std::optional<RobotSession> session;
     std::shared_ptr<SessionLocalizer> localizer;
     SubmapReceiver receiver;

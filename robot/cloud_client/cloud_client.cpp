@@ -4,7 +4,10 @@
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/codec.hpp"
+#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/session_codec.hpp"
+#include "shared/wire/status_codec.hpp"
+#include "shared/wire/submap_codec.hpp"
 
 namespace fleetloc {
 namespace {
@@ -35,8 +38,12 @@ void CloudClient::submit(Submap submap, Timestamp now) {
   }
   submap.robot = robot_;
   sender_.prepare(submap, now);
-  channel_.send(localizer_, {Topic::kSubmap, encode(submap)}, now);
-  ++statistics_.submaps_sent;
+  try {
+    channel_.send(localizer_, {Topic::kSubmap, encode(submap)}, now);
+    ++statistics_.submaps_sent;
+  } catch (const NotEncodable&) {  // an estimate beyond all bounds; the next one may be sane again
+    refuse("not_encodable");
+  }
 }
 
 std::vector<Answer> CloudClient::take_answers(Timestamp now) {

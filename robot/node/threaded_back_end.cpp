@@ -7,7 +7,9 @@ ThreadedBackEnd::ThreadedBackEnd(KeyframeWorker worker)
         while (auto job = jobs_.pop(stop)) results_.push(worker_.run(*job), stop);
       }) {}
 
-void ThreadedBackEnd::start(KeyframeJob job, Timestamp /*now*/) { jobs_.push(std::move(job)); }
+void ThreadedBackEnd::start(KeyframeJob job, Timestamp /*now*/) {
+  jobs_.push(std::move(job));
+}
 
 std::optional<KeyframeResult> ThreadedBackEnd::take(Timestamp /*now*/) {
   return results_.try_pop();

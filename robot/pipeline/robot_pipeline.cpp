@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "robot/inertial/preintegration.hpp"
+#include "robot/vio/vio_config.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -35,13 +36,21 @@ PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   const PoseEstimate pose = fusion_.add_imu(sample);
   if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
-  track_pending();
+  process_pending();
   return pose;
 }
 
 void RobotPipeline::add_images(StereoFrame frame) {
+  add_frame(std::move(frame));
+}
+
+void RobotPipeline::add_tracks(TrackedFrame frame) {
+  add_frame(std::move(frame));
+}
+
+void RobotPipeline::add_frame(Frame frame) {
   pending_.push_back(std::move(frame));
-  track_pending();
+  process_pending();
   if (pending_.size() > kMaxPending) pending_.pop_front();
 }
 
@@ -50,30 +59,37 @@ void RobotPipeline::poll(Timestamp now) {
   take_cloud(now);
 }
 
-void RobotPipeline::track_pending() {
-  while (!pending_.empty() && imu_.covers(pending_.front().stamp)) {
-    const StereoFrame frame = std::move(pending_.front());
+void RobotPipeline::process_pending() {
+  const auto stamp = [](const auto& frame) { return frame.stamp; };
+  while (!pending_.empty() && imu_.covers(std::visit(stamp, pending_.front()))) {
+    Frame frame = std::move(pending_.front());
     pending_.pop_front();
-    frames_.push_back(track(frame));
+    frames_.push_back(take_frame(std::move(frame)));
   }
 }
 
-FrameOutput RobotPipeline::track(const StereoFrame& frame) {
+FrameOutput RobotPipeline::take_frame(Frame frame) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
-  if (!first_frame_) first_frame_ = frame.stamp;
-  const TrackedFrame tracked = tracker_.track(frame, predicted_rotation(frame.stamp));
+  const TrackedFrame tracks = tracked(std::move(frame));
   FrameOutput output{
-      .stamp = frame.stamp, .pose = {}, .tracks = static_cast<int>(tracked.observations.size())};
+      .stamp = tracks.stamp, .pose = {}, .tracks = static_cast<int>(tracks.observations.size())};
+  if (!first_frame_) first_frame_ = tracks.stamp;
   if (window_) {
-    output.keyframe = estimate(tracked);
+    output.keyframe = estimate(tracks);
   } else if (!initialization_) {
-    initialize(tracked);
+    initialize(tracks);
   }
-  previous_frame_ = frame.stamp;
+  previous_frame_ = tracks.stamp;
   if (cpu_clock_) output.tracking_cpu = cpu_clock_() - begin;
-  if (const auto pose = fusion_.estimate_at(frame.stamp)) output.pose = *pose;
-  output.pose.stamp = frame.stamp;
+  if (const auto pose = fusion_.estimate_at(tracks.stamp)) output.pose = *pose;
+  output.pose.stamp = tracks.stamp;
   return output;
+}
+
+TrackedFrame RobotPipeline::tracked(Frame frame) {
+  if (auto* tracks = std::get_if<TrackedFrame>(&frame)) return std::move(*tracks);
+  const auto& images = std::get<StereoFrame>(frame);
+  return tracker_.track(images, predicted_rotation(images.stamp));
 }
 
 void RobotPipeline::initialize(const TrackedFrame& frame) {
@@ -121,7 +137,7 @@ void RobotPipeline::take_back_end(Timestamp now) {
 void RobotPipeline::take_cloud(Timestamp now) {
   if (localizer_ == nullptr) return;
   for (Answer& answer : localizer_->take_answers(now)) {
-    AnswerOutput output{.answer = std::move(answer), .arrival = now};
+    AnswerOutput output{.answer = std::move(answer), .arrival = now, .reason = {}};
     if (setup_.align_once && aligned_) {
       output.reason = "aligned_once";
     } else {
@@ -174,10 +190,11 @@ Eigen::Quaterniond RobotPipeline::predicted_rotation(Timestamp stamp) const {
 
 RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
   constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+  const VioConfig vio = read_vio_config(config.section("vio"));
   ConfigReader start = config.section("start");
   return {.tracking = read_feature_tracker_config(config.section("tracking")),
-          .initializer = read_initializer_config(config.section("vio")),
-          .frame_estimator = read_frame_estimator_config(config.section("vio")),
+          .initializer = vio.initializer,
+          .frame_estimator = vio.frame_estimator,
           .fusion = read_pose_fusion_config(config.section("fusion")),
           .start = {.position_sigma_m = start.positive("position_sigma_m"),
                     .yaw_sigma_rad = start.positive("yaw_sigma_deg") * kRadPerDeg,
@@ -185,7 +202,7 @@ RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
 }
 
 KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {
-  return {.window = read_sliding_window_config(config.section("vio")),
+  return {.window = read_vio_config(config.section("vio")).window,
           .submap = read_submap_builder_config(config.section("submap"))};
 }
 

@@ -3,6 +3,8 @@
 #include <deque>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "robot/fusion/pose_fusion.hpp"
@@ -77,6 +79,9 @@ class RobotPipeline {
   /// A frame is tracked as soon as the IMU covers its stamp; stamps increase.
   void add_images(StereoFrame frame);
 
+  /// The same for a frame that has been tracked elsewhere: by a simulation, or by a recording.
+  void add_tracks(TrackedFrame frame);
+
   /// Takes over what back end and cloud have finished. `now` is the robot's clock.
   void poll(Timestamp now);
 
@@ -92,8 +97,11 @@ class RobotPipeline {
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
 
  private:
-  void track_pending();
-  FrameOutput track(const StereoFrame& frame);
+  using Frame = std::variant<StereoFrame, TrackedFrame>;
+  void add_frame(Frame frame);
+  void process_pending();
+  TrackedFrame tracked(Frame frame);
+  FrameOutput take_frame(Frame frame);
   void initialize(const TrackedFrame& frame);
   bool estimate(const TrackedFrame& frame);
   void take_back_end(Timestamp now);
@@ -115,7 +123,7 @@ class RobotPipeline {
   PoseFusion fusion_;
   ImuBuffer imu_;
 
-  std::deque<StereoFrame> pending_;
+  std::deque<Frame> pending_;
   std::optional<Timestamp> first_frame_;
   std::optional<Timestamp> previous_frame_;
   Timestamp newest_keyframe_;

@@ -1,0 +1,145 @@
+#include "deploy/tools/replay.hpp"
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "cloud/laser_map/map_file.hpp"
+#include "cloud/pool/sessions_report.hpp"
+#include "cloud/pool/simulated_cloud.hpp"
+#include "robot/pipeline/run_recorder.hpp"
+#include "shared/config/progress_line.hpp"
+#include "shared/dataset/dataset_reader.hpp"
+#include "shared/link/memory_network.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr const char* kRobot = "robot";
+constexpr const char* kLocalizer = "localizer";
+
+Duration from_seconds(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+/// The far side of the robot's MapLocalizer: link and cloud, in simulated time.
+struct FarSide {
+  FarSide(const ReplayOptions& options, const ReplayConfig& config)
+      : network(options.link),
+        robot_end(network.join_robot(kRobot)),
+        cloud_end(network.join_cloud(kLocalizer)),
+        cloud(LocalizerPool(kLocalizer,
+                            Epoch{1},
+                            std::make_shared<const LaserMap>(load_map(*options.map)),
+                            config.pool),
+              *cloud_end,
+              from_seconds(config.durations.localization_s),
+              thread_cpu_time),
+        client(kRobot, *robot_end, config.client) {}
+
+  [[nodiscard]] RunTraffic traffic() const {
+    const CloudClient::Statistics statistics = client.statistics();
+    const ChannelStatistics bytes = client.traffic();
+    return {.submaps_sent = statistics.submaps_sent,
+            .uplink_bytes = bytes.sent_payload_bytes,
+            .downlink_bytes = bytes.received_payload_bytes,
+            .uplink_wire_bytes = bytes.sent_wire_bytes,
+            .downlink_wire_bytes = bytes.received_wire_bytes,
+            .loss = statistics.loss,
+            .round_trip = statistics.round_trip};
+  }
+
+  MemoryNetwork network;
+  std::unique_ptr<Channel> robot_end;
+  std::unique_ptr<Channel> cloud_end;
+  SimulatedCloud cloud;
+  CloudClient client;
+};
+
+/// One replay: the parts, and what happens at each item of the dataset.
+class Replay {
+ public:
+  Replay(const ReplayOptions& options, const ReplayConfig& config)
+      : reader_({.folder = options.dataset,
+                 .start_s = options.start_s,
+                 .duration_s = options.duration_s}),
+        far_side_(options.map ? std::make_unique<FarSide>(options, config) : nullptr),
+        back_end_(KeyframeWorker(rectified(reader_.calibration()),
+                                 reader_.imu_noise(),
+                                 config.worker,
+                                 thread_cpu_time),
+                  from_seconds(config.durations.back_end_s)),
+        pipeline_({.id = kRobot,
+                   .calibration = reader_.calibration(),
+                   .imu_noise = reader_.imu_noise(),
+                   .T_map_body = options.T_map_body,
+                   .align_once = options.align_once},
+                  config.pipeline,
+                  back_end_,
+                  far_side_ ? &far_side_->client : nullptr,
+                  thread_cpu_time),
+        recorder_(options.out),
+        out_(options.out) {}
+
+  void run(const std::stop_token& stop);
+
+ private:
+  std::optional<DatasetReader::Item> next();
+  void take(const ImuSample& sample);
+  [[nodiscard]] RunTraffic traffic() const {
+    return far_side_ ? far_side_->traffic() : RunTraffic{};
+  }
+
+  DatasetReader reader_;
+  std::unique_ptr<FarSide> far_side_;
+  SimulatedBackEnd back_end_;
+  RobotPipeline pipeline_;
+  RunRecorder recorder_;
+  std::filesystem::path out_;
+};
+
+std::optional<DatasetReader::Item> Replay::next() {
+  const Duration begin = thread_cpu_time();
+  auto item = reader_.next();
+  if (item && std::holds_alternative<StereoFrame>(*item)) {
+    recorder_.add_decoding(thread_cpu_time() - begin);
+  }
+  return item;
+}
+
+void Replay::take(const ImuSample& sample) {
+  recorder_.add_imu_rate_pose(pipeline_.add_imu(sample));
+  if (far_side_) far_side_->cloud.advance(sample.stamp);
+  pipeline_.poll(sample.stamp);
+  recorder_.take(pipeline_, traffic());
+}
+
+void Replay::run(const std::stop_token& stop) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::size_t frames = 0;
+  {
+    ProgressLine progress("frames");
+    while (!stop.stop_requested()) {
+      auto item = next();
+      if (!item) break;
+      if (const auto* sample = std::get_if<ImuSample>(&*item)) {
+        take(*sample);
+      } else {
+        pipeline_.add_images(std::move(std::get<StereoFrame>(*item)));
+        progress.show(++frames, reader_.frame_count());
+      }
+    }
+  }
+  recorder_.take(pipeline_, traffic());
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  recorder_.finish(pipeline_, traffic(), wall.count(), reader_.faults());
+  if (far_side_) write_sessions(out_ / "sessions.json", far_side_->cloud.pool().reports());
+}
+
+}  // namespace
+
+void replay(const ReplayOptions& options, const ReplayConfig& config, const std::stop_token& stop) {
+  Replay(options, config).run(stop);
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <stop_token>
+#include <thread>
+#include <variant>
+
+#include "shared/concurrency/bounded_queue.hpp"
+#include "shared/dataset/dataset_reader.hpp"
+
+namespace fleetloc {
+
+/// Plays a recording from a thread of its own, at the recording's pace times `rate`.
+class DatasetPlayer {
+ public:
+  struct Played {
+    DatasetReader::Item item;
+    Duration decoding_cpu{};  ///< of an image pair
+  };
+
+  /// @param rate  0: as fast as the consumer takes
+  DatasetPlayer(DatasetReader reader, double rate);
+
+  /// The next item; nothing at the end of the recording or when a stop is requested. Rethrows what
+  /// ended the reading.
+  std::optional<Played> next(const std::stop_token& stop);
+
+  /// Once next() has returned nothing.
+  [[nodiscard]] const DatasetReader& reader() const { return reader_; }
+
+ private:
+  void play(const std::stop_token& stop);
+  void wait_for(Timestamp stamp, const std::stop_token& stop);
+
+  DatasetReader reader_;  // used by the thread until the queue is closed
+  double rate_;
+  std::optional<Timestamp> first_stamp_;
+  std::chrono::steady_clock::time_point started_;
+  BoundedQueue<Played> played_;
+  std::exception_ptr error_;  // set before the queue is closed
+  std::jthread thread_;       // last: uses the others
+};
+
+}  // namespace fleetloc

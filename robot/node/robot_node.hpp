@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+
+#include "robot/cloud_client/cloud_client.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+struct RobotNodeOptions {
+  RobotId id;
+  std::filesystem::path dataset;
+  std::filesystem::path qos;
+  std::filesystem::path out;
+  std::uint32_t domain = 0;
+  double rate = 1.0;  ///< of the recording's time; 0: as fast as possible
+  double start_s = 0.0;
+  std::optional<double> duration_s;
+  std::optional<Pose> T_map_body;  ///< at the first image
+  std::optional<LinkConfig> link;
+};
+
+struct RobotNodeConfig {
+  RobotPipeline::Config pipeline;
+  KeyframeWorker::Config worker;
+  CloudClient::Config client;
+};
+
+/// A robot that plays a recording: everything that can fail before it starts fails in the
+/// constructor (TransportError, DatasetError, std::runtime_error).
+class RobotNode {
+ public:
+  RobotNode(const RobotNodeOptions& options, const RobotNodeConfig& config);
+  ~RobotNode();
+  RobotNode(const RobotNode&) = delete;
+  RobotNode& operator=(const RobotNode&) = delete;
+
+  /// Until the recording ends or a stop is requested; then the run folder is complete.
+  void run(const std::stop_token& stop);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace fleetloc

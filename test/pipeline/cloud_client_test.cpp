@@ -1,0 +1,158 @@
+#include "robot/cloud_client/cloud_client.hpp"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "shared/link/memory_network.hpp"
+#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/session_codec.hpp"
+#include "shared/wire/status_codec.hpp"
+#include "shared/wire/submap_codec.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+Timestamp at(int ms) {
+  return Timestamp{milliseconds(ms)};
+}
+
+Submap submap_of(std::uint32_t keyframe) {
+  Submap submap;
+  submap.keyframes.push_back({.id = KeyframeId{keyframe},
+                              .revision = Revision{1},
+                              .stamp = at(1),
+                              .T_odom_body = {},
+                              .tilt_sigma = 0.01,
+                              .observations = {}});
+  return submap;
+}
+
+RobotSession some_session() {
+  RobotSession session;
+  session.robot = "robot";
+  session.session = SessionNumber{1};
+  session.stereo = {
+      .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
+  return session;
+}
+
+/// A client, and the bare ends of two localizers.
+class CloudClientTest : public testing::Test {
+ protected:
+  void announce(Channel& end, const std::string& name, double load, int ms, bool accepting = true) {
+    end.send("",
+             {Topic::kLocalizerStatus,
+              encode(LocalizerStatus{.localizer = name,
+                                     .epoch = Epoch{1},
+                                     .map_hash = {},
+                                     .sessions = 0,
+                                     .load = load,
+                                     .accepting = accepting})},
+             at(ms));
+  }
+
+  Answer answer(const std::string& localizer, std::uint32_t keyframe) const {
+    Answer answer;
+    answer.robot = "robot";
+    answer.session = SessionNumber{1};
+    answer.localizer = localizer;
+    answer.epoch = Epoch{1};
+    answer.status = LocalizationStatus::kTooFewMatches;
+    answer.keyframe = KeyframeId{keyframe};
+    answer.revision = Revision{1};
+    answer.stamp = at(1);
+    return answer;
+  }
+
+  static int count(const std::vector<Message>& messages, Topic topic) {
+    return static_cast<int>(std::ranges::count(messages, topic, &Message::topic));
+  }
+
+  MemoryNetwork network_{perfect_link()};
+  std::unique_ptr<Channel> robot_end_ = network_.join_robot("robot");
+  std::unique_ptr<Channel> busy_ = network_.join_cloud("busy");
+  std::unique_ptr<Channel> idle_ = network_.join_cloud("idle");
+  CloudClient client_{
+      "robot",
+      *robot_end_,
+      {.session_repetition = {
+           .slowest_interval_s = 1.0, .fastest_interval_s = 1.0, .full_rate_loss = 0.5}}};
+};
+
+TEST_F(CloudClientTest, DropsAndCountsSubmapsWhileThereIsNoLocalizer) {
+  client_.start_session(some_session(), at(0));
+  client_.submit(submap_of(1), at(0));
+  EXPECT_EQ(client_.statistics().submaps_sent, 0);
+  EXPECT_EQ(client_.statistics().submaps_without_localizer, 1);
+}
+
+TEST_F(CloudClientTest, ChoosesTheLeastLoadedLocalizerThatAccepts) {
+  announce(*busy_, "busy", 0.9, 0);
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  EXPECT_TRUE(client_.take_answers(at(10)).empty());
+  EXPECT_EQ(client_.statistics().localizer, "idle");
+  client_.submit(submap_of(1), at(11));
+  EXPECT_EQ(count(idle_->receive(at(20)), Topic::kSubmap), 1);
+  EXPECT_EQ(count(busy_->receive(at(20)), Topic::kSubmap), 0);
+}
+
+TEST_F(CloudClientTest, DoesNotChooseALocalizerThatRefusesRobots) {
+  announce(*idle_, "idle", 0.0, 0, false);
+  static_cast<void>(client_.take_answers(at(10)));
+  EXPECT_EQ(client_.statistics().localizer, "");
+}
+
+TEST_F(CloudClientTest, RepeatsItsSessionUntilItIsAnswered) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  int before = 0;
+  for (int ms = 10; ms <= 3500; ms += 10) {
+    static_cast<void>(client_.take_answers(at(ms)));
+    before += count(idle_->receive(at(ms)), Topic::kSession);
+  }
+  EXPECT_GE(before, 3);
+  idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 1))}, at(3500));
+  static_cast<void>(client_.take_answers(at(3510)));
+  static_cast<void>(idle_->receive(at(3510)));
+  int after = 0;
+  for (int ms = 3600; ms <= 6000; ms += 10) {
+    static_cast<void>(client_.take_answers(at(ms)));
+    after += count(idle_->receive(at(ms)), Topic::kSession);
+  }
+  EXPECT_EQ(after, 0);
+}
+
+TEST_F(CloudClientTest, GivesARepeatedAnswerOnce) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  for (int ms = 20; ms < 60; ms += 10) {
+    idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 7))}, at(ms));
+  }
+  EXPECT_EQ(client_.take_answers(at(100)).size(), 1);
+  idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 8))}, at(110));
+  EXPECT_EQ(client_.take_answers(at(120)).size(), 1);
+}
+
+TEST_F(CloudClientTest, CountsByNameWhatItDoesNotUse) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  Answer of_old_session = answer("idle", 7);
+  of_old_session.session = SessionNumber{0};
+  idle_->send("robot", {Topic::kLocalization, encode(of_old_session)}, at(20));
+  idle_->send("robot", {Topic::kLocalization, encode(answer("busy", 7))}, at(20));
+  idle_->send("robot", {Topic::kLocalization, Bytes{0, 1, 0, 0, 9, 9}}, at(20));
+  EXPECT_TRUE(client_.take_answers(at(30)).empty());
+  const auto refused = client_.statistics().refused;
+  EXPECT_EQ(refused.at("other_session"), 1);
+  EXPECT_EQ(refused.at("other_localizer"), 1);
+  EXPECT_EQ(refused.at("undecodable"), 1);
+}
+
+}  // namespace
+}  // namespace fleetloc

@@ -1,0 +1,162 @@
+#include "cloud/pool/localizer_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/session_codec.hpp"
+#include "shared/wire/submap_codec.hpp"
+#include "test/pipeline/simulated_system.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+Timestamp at(int ms) {
+  return Timestamp{milliseconds(ms)};
+}
+
+RobotSession session_of(const RobotId& robot, std::uint32_t number = 1) {
+  RobotSession session;
+  session.robot = robot;
+  session.session = SessionNumber{number};
+  session.localizer = "localizer";
+  session.stereo = {
+      .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
+  return session;
+}
+
+Submap submap_of(const RobotId& robot, std::uint32_t number, std::uint32_t session = 1) {
+  Submap submap;
+  submap.robot = robot;
+  submap.session = SessionNumber{session};
+  submap.number = SampleNumber{number};
+  submap.keyframes.push_back({.id = KeyframeId{number},
+                              .revision = Revision{1},
+                              .stamp = at(static_cast<int>(number)),
+                              .T_odom_body = {},
+                              .tilt_sigma = 0.01,
+                              .observations = {}});
+  return submap;
+}
+
+class LocalizerPoolTest : public testing::Test {
+ protected:
+  void open(const RobotSession& session) {
+    pool_.receive({Topic::kSession, encode(session)}, at(0));
+  }
+  void send(const Submap& submap) { pool_.receive({Topic::kSubmap, encode(submap)}, at(0)); }
+  SessionReport report(const RobotId& robot) { return pool_.reports().at(robot); }
+
+  std::vector<Answer> answers(int ms) {
+    std::vector<Answer> answers;
+    for (const auto& outgoing : pool_.outgoing(at(ms), 0.0)) {
+      if (outgoing.message.topic != Topic::kLocalization) continue;
+      answers.push_back(std::get<Answer>(decode_answer(outgoing.message.payload)));
+      EXPECT_EQ(outgoing.partition, answers.back().robot);
+    }
+    return answers;
+  }
+
+  void run_job(int ms) {
+    auto job = pool_.take_job();
+    ASSERT_TRUE(job.has_value());
+    Answer answer = LocalizerPool::run(*job);
+    pool_.finish(*job, std::move(answer), 1.0, at(ms));
+  }
+
+  std::shared_ptr<const LaserMap> map_ =
+      std::make_shared<const LaserMap>(build_map({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                                                 "map",
+                                                 read_map_config(defaults().section("laser_map"))));
+  LocalizerPool pool_{"localizer", Epoch{3}, map_, read_localizer_pool_config(defaults())};
+};
+
+TEST_F(LocalizerPoolTest, AnswersWithItsNameEpochMapAndAcknowledgements) {
+  open(session_of("a"));
+  send(submap_of("a", 0));
+  send(submap_of("a", 2));
+  run_job(40);
+  const auto sent = answers(50);
+  ASSERT_EQ(sent.size(), 1);
+  EXPECT_EQ(sent[0].localizer, "localizer");
+  EXPECT_EQ(sent[0].epoch, Epoch{3});
+  EXPECT_EQ(sent[0].map_hash, map_->info().hash);
+  EXPECT_EQ(sent[0].acknowledgements.bitmap, 0b101U);
+  EXPECT_EQ(sent[0].holding_time, milliseconds(40));
+  EXPECT_EQ(sent[0].status, LocalizationStatus::kNoStartPose);
+  EXPECT_EQ(report("a").rejected.at("no_start_pose"), 1);
+}
+
+TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {
+  open(session_of("a"));
+  send(submap_of("a", 0));
+  run_job(0);
+  int sent = 0;
+  for (int ms = 0; ms <= 5000; ms += 10) sent += static_cast<int>(answers(ms).size());
+  EXPECT_GE(sent, 5);
+  EXPECT_LE(sent, 26);
+}
+
+TEST_F(LocalizerPoolTest, ServesRobotsInTurnAndEachOneJobAtATime) {
+  for (const char* robot : {"a", "b", "c"}) {
+    open(session_of(robot));
+    send(submap_of(robot, 0));
+  }
+  const auto first = pool_.take_job();
+  ASSERT_TRUE(first.has_value());
+  EXPECT_EQ(first->robot, "a");
+  send(submap_of("a", 1));
+  EXPECT_EQ(pool_.take_job()->robot, "b");
+  EXPECT_EQ(pool_.take_job()->robot, "c");
+  EXPECT_FALSE(pool_.take_job().has_value());  // a waits, but its job is still running
+  pool_.finish(*first, Answer{}, 1.0, at(1));
+  EXPECT_EQ(pool_.take_job()->robot, "a");
+}
+
+TEST_F(LocalizerPoolTest, RefusesByNameWhatDoesNotBelongToTheSession) {
+  open(session_of("a", 2));
+  send(submap_of("a", 0, 1));
+  send(submap_of("a", 0, 2));
+  send(submap_of("a", 0, 2));
+  open(session_of("a", 1));  // an old datagram
+  EXPECT_EQ(report("a").submaps, 1);
+  EXPECT_EQ(report("a").refused.at("other_session"), 1);
+  EXPECT_EQ(report("a").refused.at("seen_before"), 1);
+  EXPECT_EQ(report("a").refused.at("outdated_session"), 1);
+}
+
+TEST_F(LocalizerPoolTest, AResultOfAReplacedSessionIsDropped) {
+  open(session_of("a", 1));
+  send(submap_of("a", 0, 1));
+  const auto job = pool_.take_job();
+  ASSERT_TRUE(job.has_value());
+  open(session_of("a", 2));
+  pool_.finish(*job, Answer{}, 1.0, at(1));
+  EXPECT_TRUE(answers(2).empty());
+}
+
+TEST_F(LocalizerPoolTest, GarbageHarmsNobody) {
+  open(session_of("a"));
+  for (const Topic topic : {Topic::kSession, Topic::kSubmap}) {
+    pool_.receive({topic, Bytes{}}, at(0));
+    pool_.receive({topic, Bytes{0, 1, 0, 0, 255, 255, 255, 255}}, at(0));
+  }
+  pool_.receive({Topic::kSubmap, encode(submap_of("stranger", 0))}, at(0));
+  send(submap_of("a", 0));
+  EXPECT_EQ(report("a").submaps, 1);
+  EXPECT_EQ(pool_.sessions(), 1);
+}
+
+TEST_F(LocalizerPoolTest, DropsTheOldestOfTooManyWaitingSubmaps) {
+  open(session_of("a"));
+  for (std::uint32_t i = 0; i < 70; ++i) send(submap_of("a", i));
+  const auto job = pool_.take_job();
+  ASSERT_TRUE(job.has_value());
+  EXPECT_EQ(job->submaps.size(), 64);
+  EXPECT_EQ(job->submaps.back().number, SampleNumber{69});
+  EXPECT_EQ(report("a").refused.at("overtaken"), 6);
+}
+
+}  // namespace
+}  // namespace fleetloc

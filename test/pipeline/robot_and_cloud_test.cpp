@@ -1,0 +1,110 @@
+// Robot, protocol, link and localizer in one process and in simulated time.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test/pipeline/simulated_system.hpp"
+
+namespace fleetloc {
+namespace {
+
+SimulatedRun::Config flight() {
+  SimulatedRun::Config config;
+  config.imu_white_noise = true;
+  config.imu_bias_walk = true;
+  config.initial_bias = {{0.01, -0.02, 0.03}, {0.05, -0.03, 0.02}};
+  config.pixel_sigma = 0.3;
+  config.rest_s = 1.0;
+  return config;
+}
+
+/// The truth at the start, displaced by 0.3 m and 3 degrees of yaw.
+Pose disturbed_start(const SimulatedRun& run) {
+  const Pose yaw{exp_so3(Eigen::Vector3d(0.0, 0.0, 3.0 * M_PI / 180.0)), {}};
+  Pose T = run.truth(run.frame_stamp(0)).T_odom_body;
+  T.R = yaw.R * T.R;
+  T.p += Eigen::Vector3d(0.2, -0.2, 0.1);
+  return T;
+}
+
+class RobotAndCloud : public testing::Test {
+ protected:
+  static const SimulatedRun& run() {
+    static const SimulatedRun run(flight());
+    return run;
+  }
+  static std::shared_ptr<const LaserMap> map() {
+    static const auto map = map_of(run());
+    return map;
+  }
+  static double position_error(const FrameOutput& frame) {
+    return (frame.pose.T_map_body->p - run().truth(frame.stamp).T_odom_body.p).norm();
+  }
+  static double median_error(const std::vector<FrameOutput>& frames) {
+    std::vector<double> errors;
+    for (const FrameOutput& frame : frames) {
+      if (frame.pose.T_map_body) errors.push_back(position_error(frame));
+    }
+    if (errors.empty()) return INFINITY;
+    std::ranges::nth_element(errors, errors.begin() + static_cast<long>(errors.size() / 2));
+    return errors[errors.size() / 2];
+  }
+};
+
+TEST_F(RobotAndCloud, LocalizeOverAPerfectLink) {
+  SimulatedSystem system(run(), map(), perfect_link(), disturbed_start(run()));
+  system.play(15.0);
+  const auto applied = std::ranges::count_if(system.answers, &AnswerOutput::applied);
+  EXPECT_GT(applied, 10);
+  const double error = median_error(system.frames);
+  RecordProperty("median_error_mm", static_cast<int>(1e3 * error));
+  EXPECT_LT(error, 0.03);
+  EXPECT_EQ(system.frames.back().pose.quality, Quality::kLocalized);
+}
+
+TEST_F(RobotAndCloud, LocalizeThoughHalfOfTheDatagramsAreLost) {
+  LinkConfig link = perfect_link();
+  link.uplink.loss = 0.1;  // a full submap takes several datagrams
+  link.downlink.loss = 0.5;
+  link.uplink.delay_s = 0.2;
+  link.downlink.delay_s = 0.2;
+  SimulatedSystem system(run(), map(), link, disturbed_start(run()));
+  system.play(15.0);
+  EXPECT_LT(median_error(system.frames), 0.05);
+  EXPECT_GT(system.client().statistics().loss, 0.0);
+  ASSERT_TRUE(system.client().statistics().round_trip.has_value());
+  EXPECT_GE(to_seconds(*system.client().statistics().round_trip), 0.4);
+}
+
+TEST_F(RobotAndCloud, OdometryGoesOnWithoutACloud) {
+  LinkConfig link = perfect_link();
+  link.downlink.loss = 1.0;  // no localizer is ever heard of
+  SimulatedSystem system(run(), map(), link, disturbed_start(run()));
+  system.play(6.0);
+  EXPECT_TRUE(system.answers.empty());
+  EXPECT_EQ(system.client().statistics().submaps_sent, 0);
+  EXPECT_GT(system.client().statistics().submaps_without_localizer, 0);
+  EXPECT_EQ(system.frames.back().pose.quality, Quality::kLost);
+  EXPECT_FALSE(system.frames.back().pose.T_map_body.has_value());
+}
+
+TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {
+  SimulatedSystem first(run(), map(), perfect_link(), disturbed_start(run()));
+  SimulatedSystem second(run(), map(), perfect_link(), disturbed_start(run()));
+  first.play(6.0);
+  second.play(3.0);
+  second.play(6.0);
+  ASSERT_EQ(first.frames.size(), second.frames.size());
+  for (std::size_t i = 0; i < first.frames.size(); ++i) {
+    const PoseEstimate& a = first.frames[i].pose;
+    const PoseEstimate& b = second.frames[i].pose;
+    EXPECT_EQ(a.T_odom_body.p, b.T_odom_body.p) << i;
+    EXPECT_EQ(a.T_map_body.has_value(), b.T_map_body.has_value()) << i;
+    if (a.T_map_body && b.T_map_body) EXPECT_EQ(a.T_map_body->p, b.T_map_body->p) << i;
+    EXPECT_EQ(a.covariance_map, b.covariance_map) << i;
+  }
+}
+
+}  // namespace
+}  // namespace fleetloc
