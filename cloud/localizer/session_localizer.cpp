@@ -115,8 +115,8 @@ SessionLocalizer::Hold SessionLocalizer::hold_of(const std::vector<KeyframeId>& 
 // How far the landmarks may be from where they seem to be.
 double SessionLocalizer::gate_for(const PoseBelief& belief) const {
   std::vector<double> distances;
-  for (const WindowLandmark& landmark : problem_.landmarks()) {
-    distances.push_back((landmark.p_map - belief.T_map_body.p).norm());
+  for (const auto& [id, p_map] : problem_.positions()) {
+    distances.push_back((p_map - belief.T_map_body.p).norm());
   }
   const double turned =
       median(std::move(distances)) * greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
@@ -216,12 +216,10 @@ bool SessionLocalizer::agrees_enough_to_start() const {
 }
 
 void SessionLocalizer::measure_fit() {
-  const std::vector<WindowLandmark> landmarks = problem_.landmarks();
+  const LandmarkPositions positions = problem_.positions();
   std::vector<double> residuals;
-  auto landmark = landmarks.begin();
   for (const MapMatch& match : association_.matches) {
-    while (landmark->id < match.landmark.id) ++landmark;  // both in the order of ids
-    const double error = residual(match, landmark->p_map);
+    const double error = residual(match, positions.at(match.landmark.id));
     const auto& association = config_.association;
     residuals.push_back(match.is_planar ? std::abs(error) / association.plane_sigma_m
                                         : error / (std::sqrt(3.0) * association.point_sigma_m));
@@ -269,9 +267,7 @@ bool SessionLocalizer::add_weak_directions(const Hold& hold, PoseBelief& result)
 
 void SessionLocalizer::store(const PoseBelief& result) {
   for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
-  for (const WindowLandmark& landmark : problem_.landmarks()) {
-    database_.store_solution(landmark.id, landmark.p_map);
-  }
+  for (const auto& [id, p_map] : problem_.positions()) database_.store_solution(id, p_map);
   const SubmapKeyframe& newest = database_.newest().item;
   anchor_ = {.keyframe = newest.id, .T_odom_body = newest.T_odom_body, .belief = result};
 }

@@ -29,6 +29,10 @@ void write_pose(const Pose& T, double* values) {
   std::copy(parameters.begin(), parameters.end(), values);
 }
 
+bool is_same(const StereoObservation& a, const StereoObservation& b) {
+  return a.landmark == b.landmark && a.left == b.left && a.disparity == b.disparity;
+}
+
 }  // namespace
 
 WindowProblem::WindowProblem(const RectifiedStereo& stereo, int max_keyframes, const Config& config)
@@ -75,8 +79,10 @@ void WindowProblem::remove_keyframes(const SessionDatabase& database,
                                      const std::map<KeyframeId, Pose>& poses) {
   for (auto node = keyframes_.begin(); node != keyframes_.end();) {
     const auto& [id, keyframe] = *node;
+    // Most revisions of a keyframe change its estimate only, which is no measurement.
     const bool stays =
-        poses.contains(id) && database.keyframe(id).item.revision == keyframe.revision;
+        poses.contains(id) &&
+        std::ranges::equal(database.keyframe(id).item.observations, keyframe.observations, is_same);
     if (stays) {
       ++node;
       continue;
@@ -110,7 +116,6 @@ void WindowProblem::add_keyframes(const SessionDatabase& database,
     if (is_new) {
       const SubmapKeyframe& item = database.keyframe(id).item;
       node.pose = pose_pool_->take();
-      node.revision = item.revision;
       node.observations = item.observations;
       node.factors.assign(item.observations.size(), nullptr);
       problem_.AddParameterBlock(node.pose, kPoseSize, &manifold_);

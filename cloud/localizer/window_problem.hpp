@@ -67,7 +67,8 @@ class WindowProblem {
 
   [[nodiscard]] Pose pose(KeyframeId id) const;
   [[nodiscard]] std::map<KeyframeId, Pose> poses() const;
-  /// In the order of their ids.
+  [[nodiscard]] LandmarkPositions positions() const;
+  /// With their covariances, in the order of their ids.
   [[nodiscard]] std::vector<WindowLandmark> landmarks() const;
   [[nodiscard]] int observations() const { return observations_; }
 
@@ -82,7 +83,6 @@ class WindowProblem {
  private:
   struct KeyframeNode {
     double* pose = nullptr;
-    Revision revision{};
     std::vector<StereoObservation> observations;
     std::vector<ceres::ResidualBlockId> factors;  // of observations; null: left out
   };

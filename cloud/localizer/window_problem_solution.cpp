@@ -103,6 +103,14 @@ std::map<KeyframeId, Pose> WindowProblem::poses() const {
   return poses;
 }
 
+LandmarkPositions WindowProblem::positions() const {
+  LandmarkPositions positions;
+  for (const auto& [id, node] : landmarks_) {
+    positions.emplace_hint(positions.end(), id, Eigen::Map<const Eigen::Vector3d>(node.point));
+  }
+  return positions;
+}
+
 std::vector<WindowLandmark> WindowProblem::landmarks() const {
   std::map<LandmarkId, WindowLandmark> landmarks;
   for (const auto& [id, node] : landmarks_) {
