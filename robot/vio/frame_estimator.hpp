@@ -46,7 +46,8 @@ class FrameEstimator {
     TrackedFrame frame;
     Eigen::Quaterniond R_odom_body;
   };
-  bool wants_keyframe(const TrackedFrame& frame, const Eigen::Quaterniond& R_odom_body) const;
+  [[nodiscard]] bool wants_keyframe(const TrackedFrame& frame,
+                                    const Eigen::Quaterniond& R_odom_body) const;
 
   RectifiedStereo stereo_;
   ImuNoise noise_;  // inflated

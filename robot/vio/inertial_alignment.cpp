@@ -100,7 +100,7 @@ InertialAlignment align_inertially(std::span<const Pose> T_first_body,
     result.bias.gyroscope = gyroscope_bias(T_first_body, between);
     relinearize(between, result.bias);
   }
-  const Eigen::Index gravity = static_cast<Eigen::Index>(3 * T_first_body.size());
+  const auto gravity = static_cast<Eigen::Index>(3 * T_first_body.size());
   const LinearSystem free =
       assemble(T_first_body, between, noise, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
   Eigen::VectorXd x = free.H.ldlt().solve(free.g);

@@ -57,11 +57,11 @@ class Initializer {
     Pose T_first_body;           // by stereo odometry
   };
   void start_over();
-  std::vector<std::size_t> choose_keyframes() const;
+  [[nodiscard]] std::vector<std::size_t> choose_keyframes() const;
   std::optional<Initialization> align();
-  Status check(const InertialAlignment& alignment) const;
-  bool plausible(const ImuBias& bias) const;
-  Status refine(Initialization& initialization) const;
+  [[nodiscard]] Status check(const InertialAlignment& alignment) const;
+  [[nodiscard]] bool plausible(const ImuBias& bias) const;
+  [[nodiscard]] Status refine(Initialization& initialization) const;
 
   RectifiedStereo stereo_;
   ImuNoise noise_;

@@ -33,7 +33,7 @@ class MarginalizationPrior final : public ceres::CostFunction {
                 double** jacobians) const override;
 
   [[nodiscard]] const std::vector<PriorState>& states() const { return states_; }
-  [[nodiscard]] const Eigen::MatrixXd& J() const { return J_; }
+  [[nodiscard]] const Eigen::MatrixXd& jacobian() const { return J_; }
 
  private:
   std::vector<PriorState> states_;

@@ -1,6 +1,6 @@
 #include "robot/vio/pose_alignment.hpp"
 
-#include <cmath>
+#include <array>
 
 #include "shared/factors/reprojection_factor.hpp"
 
@@ -14,11 +14,11 @@ void add(const KnownPoint& point,
          const PoseKernel& kernel,
          PoseSystem& system) {
   const Factor factor(point.observation, stereo, {point.pixel_sigma});
-  const double* const parameters[] = {pose.data(), point.p_odom.data()};
+  const std::array<const double*, 2> parameters{pose.data(), point.p_odom.data()};
   Eigen::Matrix<double, Rows, 1> r;
   Eigen::Matrix<double, Rows, 7, Eigen::RowMajor> J_ambient;
-  double* jacobians[] = {J_ambient.data(), nullptr};
-  factor.Evaluate(parameters, r.data(), jacobians);
+  std::array<double*, 2> jacobians{J_ambient.data(), nullptr};
+  factor.Evaluate(parameters.data(), r.data(), jacobians.data());
   const double norm = r.norm();
   if (norm > kernel.outlier_sigmas) {
     return;

@@ -1,5 +1,6 @@
 #include "robot/vio/sliding_window.hpp"
 
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -71,15 +72,17 @@ Eigen::Matrix3d point_information(const StereoObservation& seen,
                                   const GraphLandmark& landmark,
                                   const RectifiedStereo& stereo,
                                   double pixel_sigma) {
-  const double* const parameters[] = {keyframe.pose.data(), landmark.p_odom.data()};
+  const std::array parameters{keyframe.pose.data(), landmark.p_odom.data()};
   Eigen::Vector3d r;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J;
   J.setZero();
-  double* jacobians[] = {nullptr, J.data()};
+  std::array<double*, 2> jacobians{nullptr, J.data()};
   if (seen.disparity > 0.0) {
-    StereoReprojectionFactor(seen, stereo, {pixel_sigma}).Evaluate(parameters, r.data(), jacobians);
+    StereoReprojectionFactor(seen, stereo, {pixel_sigma})
+        .Evaluate(parameters.data(), r.data(), jacobians.data());
   } else {
-    MonoReprojectionFactor(seen, stereo, {pixel_sigma}).Evaluate(parameters, r.data(), jacobians);
+    MonoReprojectionFactor(seen, stereo, {pixel_sigma})
+        .Evaluate(parameters.data(), r.data(), jacobians.data());
   }
   return J.transpose() * J;
 }

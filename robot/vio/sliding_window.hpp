@@ -46,8 +46,10 @@ class SlidingWindow {
                 const Config& config,
                 const Initialization& initialization);
   ~SlidingWindow();
-  SlidingWindow(SlidingWindow&&) noexcept;
-  SlidingWindow& operator=(SlidingWindow&&) noexcept;
+  SlidingWindow(const SlidingWindow& other) = delete;
+  SlidingWindow& operator=(const SlidingWindow& other) = delete;
+  SlidingWindow(SlidingWindow&& other) noexcept;
+  SlidingWindow& operator=(SlidingWindow&& other) noexcept;
 
   /// As of the last optimization.
   [[nodiscard]] const WindowEstimate& estimate() const;

@@ -29,7 +29,7 @@ class StereoOdometry {
   std::optional<Pose> add(const TrackedFrame& frame);
 
  private:
-  std::optional<Pose> align(const TrackedFrame& frame) const;
+  [[nodiscard]] std::optional<Pose> align(const TrackedFrame& frame) const;
 
   RectifiedStereo stereo_;
   Config config_;

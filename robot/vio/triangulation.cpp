@@ -1,5 +1,7 @@
 #include "robot/vio/triangulation.hpp"
 
+#include <array>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
@@ -68,17 +70,17 @@ Eigen::Vector3d refined(std::span<const Sight> sights,
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     for (const Sight& sight : sights) {
       const PoseParameters pose = to_parameters(sight.T_odom_body);
-      const double* const parameters[] = {pose.data(), p_odom.data()};
+      const std::array<const double*, 2> parameters{pose.data(), p_odom.data()};
       Eigen::Vector3d r = Eigen::Vector3d::Zero();
       Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J;
       J.setZero();
-      double* jacobians[] = {nullptr, J.data()};
+      std::array<double*, 2> jacobians{nullptr, J.data()};
       if (sight.observation.disparity > 0.0) {
         StereoReprojectionFactor(sight.observation, stereo, {})
-            .Evaluate(parameters, r.data(), jacobians);
+            .Evaluate(parameters.data(), r.data(), jacobians.data());
       } else {
         MonoReprojectionFactor(sight.observation, stereo, {})
-            .Evaluate(parameters, r.data(), jacobians);
+            .Evaluate(parameters.data(), r.data(), jacobians.data());
       }
       H += J.transpose() * J;
       g += J.transpose() * r;

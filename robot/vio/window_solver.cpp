@@ -71,6 +71,7 @@ class ContiguousStates {
 
   std::vector<double*> copies_of(const std::vector<const double*>& originals) {
     std::vector<double*> copies;
+    copies.reserve(originals.size());
     for (const double* original : originals) {
       copies.push_back(values_.data() + offset_.at(original));
     }

@@ -1,6 +1,7 @@
 #include "shared/factors/normal_equations.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -133,9 +134,9 @@ class Assembler {
 
   // Adds to the cost and returns rho', the weight of the block.
   double weighted_cost(const ceres::LossFunction* loss, double squared_norm) {
-    double rho[3] = {squared_norm, 1.0, 0.0};
+    std::array<double, 3> rho{squared_norm, 1.0, 0.0};
     if (loss != nullptr) {
-      loss->Evaluate(squared_norm, rho);
+      loss->Evaluate(squared_norm, rho.data());
     }
     result_.cost += 0.5 * rho[0];
     return rho[1];

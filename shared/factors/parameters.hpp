@@ -21,8 +21,8 @@ Pose pose_from(const double* parameters);
 /// PlusJacobian is [I6; 0] to match, which is exact for every factor of this project.
 class PoseManifold final : public ceres::Manifold {
  public:
-  int AmbientSize() const override { return 7; }
-  int TangentSize() const override { return 6; }
+  [[nodiscard]] int AmbientSize() const override { return 7; }
+  [[nodiscard]] int TangentSize() const override { return 6; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
   bool PlusJacobian(const double* x, double* jacobian) const override;
   bool Minus(const double* y, const double* x, double* y_minus_x) const override;

@@ -70,42 +70,46 @@ void write_jacobians(const Eigen::Matrix<double, Rows, 3>& J_body,
   }
 }
 
+// What both factors know besides the measurement.
+struct Setup {
+  const RectifiedStereo& stereo;
+  const Pose& T_cam0_body;
+  double inverse_sigma;
+  const PoseParameters* first_estimate;
+};
+
 // What both factors do; `measured` is the first Rows of (u_left, v, u_right).
 template <int Rows>
 void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
-              const RectifiedStereo& stereo,
-              const Pose& T_cam0_body,
-              double inverse_sigma,
-              const PoseParameters* first_estimate,
+              const Setup& setup,
               const double* const* parameters,
-              double* residuals,
+              Eigen::Map<Eigen::Matrix<double, Rows, 1>> residual,
               double** jacobians) {
-  using Residual = Eigen::Matrix<double, Rows, 1>;
-  CameraPoint point = camera_point(parameters[0], parameters[1], T_cam0_body);
-  Eigen::Map<Residual> residual(residuals);
+  CameraPoint point = camera_point(parameters[0], parameters[1], setup.T_cam0_body);
   if (point.p_cam0.z() < kLeastDepth) {
-    residual.setConstant(kBehind * inverse_sigma);
+    residual.setConstant(kBehind * setup.inverse_sigma);
     if (jacobians != nullptr) {
       set_jacobians_zero<Rows>(jacobians);
     }
     return;
   }
-  residual = inverse_sigma * (project(stereo, point.p_cam0).template head<Rows>() - measured);
+  residual =
+      setup.inverse_sigma * (project(setup.stereo, point.p_cam0).template head<Rows>() - measured);
   if (jacobians == nullptr) {
     return;
   }
   const double* linearized_at = parameters[0];
-  if (first_estimate != nullptr) {
-    linearized_at = first_estimate->data();
-    point = camera_point(linearized_at, parameters[1], T_cam0_body);
+  if (setup.first_estimate != nullptr) {
+    linearized_at = setup.first_estimate->data();
+    point = camera_point(linearized_at, parameters[1], setup.T_cam0_body);
     if (point.p_cam0.z() < kLeastDepth) {
       set_jacobians_zero<Rows>(jacobians);
       return;
     }
   }
-  const Eigen::Matrix<double, Rows, 3> J_body = inverse_sigma *
-                                                projection_jacobian<Rows>(stereo, point.p_cam0) *
-                                                T_cam0_body.R.toRotationMatrix();
+  const Eigen::Matrix<double, Rows, 3> J_body =
+      setup.inverse_sigma * projection_jacobian<Rows>(setup.stereo, point.p_cam0) *
+      setup.T_cam0_body.R.toRotationMatrix();
   write_jacobians<Rows>(J_body, point.p_body, pose_from(linearized_at).R, jacobians);
 }
 
@@ -128,12 +132,9 @@ bool StereoReprojectionFactor::Evaluate(const double* const* parameters,
                                         double* residuals,
                                         double** jacobians) const {
   evaluate<3>(measured_,
-              stereo_,
-              T_cam0_body_,
-              inverse_sigma_,
-              first_estimate_,
+              {stereo_, T_cam0_body_, inverse_sigma_, first_estimate_},
               parameters,
-              residuals,
+              Eigen::Map<Eigen::Vector3d>(residuals),
               jacobians);
   return true;
 }
@@ -152,12 +153,9 @@ bool MonoReprojectionFactor::Evaluate(const double* const* parameters,
                                       double* residuals,
                                       double** jacobians) const {
   evaluate<2>(measured_,
-              stereo_,
-              T_cam0_body_,
-              inverse_sigma_,
-              first_estimate_,
+              {stereo_, T_cam0_body_, inverse_sigma_, first_estimate_},
               parameters,
-              residuals,
+              Eigen::Map<Eigen::Vector2d>(residuals),
               jacobians);
   return true;
 }

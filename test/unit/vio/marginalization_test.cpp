@@ -53,9 +53,9 @@ TEST_F(PriorTest, HasTheGivenInformationAndGradient) {
   const Eigen::MatrixXd H = A.transpose() * A;
   const Eigen::VectorXd g = random_matrix(15, 1, 4);
   const MarginalizationPrior prior(states_, H, g);
-  EXPECT_LT((prior.J().transpose() * prior.J() - H).norm(), 1e-9 * H.norm());
+  EXPECT_LT((prior.jacobian().transpose() * prior.jacobian() - H).norm(), 1e-9 * H.norm());
   const Eigen::VectorXd e = residual_of(prior, {pose_, speed_bias_});
-  EXPECT_LT((prior.J().transpose() * e - g).norm(), 1e-9 * g.norm());
+  EXPECT_LT((prior.jacobian().transpose() * e - g).norm(), 1e-9 * g.norm());
   expect_numeric_jacobians(prior, {pose_, speed_bias_});
 }
 
@@ -64,8 +64,8 @@ TEST_F(PriorTest, KeepsItsJacobianWhereverTheStatesAre) {
   const MarginalizationPrior prior(states_, A.transpose() * A, Eigen::VectorXd::Zero(15));
   const auto moved_pose = moved(pose_, 0.3 * Vector6d::Ones());
   const auto J = jacobians_of(prior, {moved_pose, speed_bias_});
-  EXPECT_EQ(J[0].leftCols<6>(), prior.J().leftCols<6>());
-  EXPECT_EQ(J[1], prior.J().rightCols<9>());
+  EXPECT_EQ(J[0].leftCols<6>(), prior.jacobian().leftCols<6>());
+  EXPECT_EQ(J[1], prior.jacobian().rightCols<9>());
 }
 
 TEST_F(PriorTest, SaysNothingAboutUnknownDirections) {
@@ -77,7 +77,7 @@ TEST_F(PriorTest, SaysNothingAboutUnknownDirections) {
   remove_directions(N, system);
   const MarginalizationPrior prior(states_, system.H, system.g);
   EXPECT_EQ(prior.num_residuals(), 11);
-  EXPECT_LT((prior.J() * N).norm(), 1e-12 * prior.J().norm());
+  EXPECT_LT((prior.jacobian() * N).norm(), 1e-12 * prior.jacobian().norm());
 }
 
 // A window over a noisy run that has slid a few times, so that states of its prior have moved
@@ -185,7 +185,7 @@ class WindowGraphTest : public testing::Test {
 TEST_F(WindowGraphTest, PriorKnowsNothingOfYawAndPosition) {
   ASSERT_NE(graph_.prior, nullptr);
   const Eigen::MatrixXd N = gauge_directions(graph_.prior->states()).colwise().normalized();
-  const Eigen::MatrixXd& J = graph_.prior->J();
+  const Eigen::MatrixXd& J = graph_.prior->jacobian();
   EXPECT_GT(J.rows(), 20);
   EXPECT_LT((J * N).norm(), 1e-10 * J.norm());
 }
