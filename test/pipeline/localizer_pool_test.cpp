@@ -68,7 +68,7 @@ class LocalizerPoolTest : public testing::Test {
   std::shared_ptr<const LaserMap> map_ =
       std::make_shared<const LaserMap>(build_map({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                                                  "map",
-                                                 read_map_config(defaults().section("laser_map"))));
+                                                 read_map_config(defaults().section("map"))));
   LocalizerPool pool_{"localizer", Epoch{3}, map_, read_localizer_pool_config(defaults())};
 };
 

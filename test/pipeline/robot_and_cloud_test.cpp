@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/geometry/so3.hpp"
 #include "test/pipeline/simulated_system.hpp"
 
 namespace fleetloc {
@@ -101,7 +102,9 @@ TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {
     const PoseEstimate& b = second.frames[i].pose;
     EXPECT_EQ(a.T_odom_body.p, b.T_odom_body.p) << i;
     EXPECT_EQ(a.T_map_body.has_value(), b.T_map_body.has_value()) << i;
-    if (a.T_map_body && b.T_map_body) EXPECT_EQ(a.T_map_body->p, b.T_map_body->p) << i;
+    if (a.T_map_body && b.T_map_body) {
+      EXPECT_EQ(a.T_map_body->p, b.T_map_body->p) << i;
+    }
     EXPECT_EQ(a.covariance_map, b.covariance_map) << i;
   }
 }

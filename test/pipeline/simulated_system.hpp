@@ -36,7 +36,7 @@ inline std::shared_ptr<const LaserMap> map_of(const SimulatedRun& run) {
   std::vector<Eigen::Vector3f> points;
   for (const Eigen::Vector3d& p : run.surface_points(0.03)) points.push_back(p.cast<float>());
   return std::make_shared<const LaserMap>(
-      build_map(points, "map", read_map_config(defaults().section("laser_map"))));
+      build_map(points, "map", read_map_config(defaults().section("map"))));
 }
 
 /// A robot and a localizer over a link, in simulated time and on simulated tracks.
