@@ -47,7 +47,8 @@ truth=$dataset/mav0/state_groundtruth_estimate0/data.csv
 [ -f "$truth" ] || { echo "demo: $truth: no such file" >&2; exit 2; }
 mkdir -p "$out" && out=$(cd "$out" && pwd)
 
-. "$root/deploy/build.sh" release
+sh "$root/deploy/install-deps.sh" || exit $?
+sh "$root/deploy/build.sh" release fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval
 bin=$root/build/release/bin
 
 children=()

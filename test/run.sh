@@ -22,9 +22,6 @@ case $mode in
   *) usage ;;
 esac
 
-# They would bring in another Fast DDS: a sourced ROS, conda.
-unset CMAKE_PREFIX_PATH AMENT_PREFIX_PATH CONDA_PREFIX LD_LIBRARY_PATH || true
-
 # However this script ends, so does what it has started.
 scratch=$(mktemp -d)
 child=""
@@ -50,31 +47,8 @@ run() {
   return $status
 }
 
-# Compilers take up to 2 GB each: CMake limits them by memory, see FleetlocTargets.cmake. In a
-# container with less memory than its host, that is counted here.
-compile_jobs() {
-  limit=$(cat /sys/fs/cgroup/memory.max 2>/dev/null || echo max)
-  kilobytes=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo)
-  case $limit in
-    max | "") ;;
-    *) [ $((limit / 1024)) -ge "$kilobytes" ] || kilobytes=$((limit / 1024)) ;;
-  esac
-  jobs=$((kilobytes / 2000000 + 1))
-  cores=$(nproc)
-  [ "$jobs" -le "$cores" ] || jobs=$cores
-  echo "$jobs"
-}
-
-configure() {
-  echo "test/run.sh: configuring $1"
-  jobs=$(compile_jobs)
-  run cmake --preset "$1" -DFLEETLOC_COMPILE_JOBS="$jobs" || fail "cmake --preset $1"
-}
-
 run_tests() {
-  configure "$1"
-  echo "test/run.sh: building $1, $jobs at once"
-  run cmake --build "build/$1" --parallel "$jobs" || fail "the build of $1"
+  run sh deploy/build.sh "$1" || fail "the build of $1"
   echo "test/run.sh: testing $1"
   run ctest --preset "$1" --parallel "$(nproc)" || fail "tests of $1"
 }
@@ -111,11 +85,9 @@ tidy() {
   grep '\.cpp$' "$scratch/sources" >"$scratch/units" || true  # they bring their headers
   echo "test/run.sh: clang-format on $(wc -l <"$scratch/sources") files"
   run xargs -a "$scratch/sources" clang-format --dry-run -Werror || fail "clang-format"
-  configure release
-  run cmake --build build/release --parallel "$jobs" --target fleetloc_idl ||
-    fail "the types of idl/, which clang-tidy needs"
-  echo "test/run.sh: clang-tidy on $(wc -l <"$scratch/units") files, $jobs at once"
-  run xargs -a "$scratch/units" -r -n 1 -P "$jobs" clang-tidy -p build/release --quiet ||
+  run sh deploy/build.sh release fleetloc_idl || fail "the types of idl/, which clang-tidy needs"
+  echo "test/run.sh: clang-tidy on $(wc -l <"$scratch/units") files"
+  run xargs -a "$scratch/units" -r -n 1 -P "$(nproc)" clang-tidy -p build/release --quiet ||
     fail "clang-tidy"
   echo "test/run.sh: clang-format and clang-tidy have nothing to say"
 }

@@ -1,19 +1,10 @@
 #include "cloud/node/worker_pool.hpp"
 
-#include <ctime>
 #include <utility>
 
+#include "shared/core/cpu_time.hpp"
+
 namespace fleetloc {
-namespace {
-
-Duration thread_cpu_time() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
-
-}  // namespace
-
 WorkerPool::WorkerPool(int threads)
     : jobs_(static_cast<std::size_t>(threads), Overflow::kBlock),
       finished_(static_cast<std::size_t>(threads), Overflow::kBlock) {

@@ -1,20 +1,18 @@
 #include "cloud/pool/sessions_report.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
+#include "shared/core/percentile.hpp"
+
 namespace fleetloc {
 namespace {
 
-// Nearest rank; null for nothing.
-nlohmann::json percentile(std::vector<double> values, double share) {
-  if (values.empty()) return nullptr;
-  std::ranges::sort(values);
-  const auto last = static_cast<double>(values.size() - 1);
-  return values[static_cast<std::size_t>(share * last + 0.5)];
+nlohmann::json percentile_json(const std::vector<double>& values, double share) {
+  const auto value = percentile(values, share);
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
 nlohmann::json to_json(const SessionReport& report) {
@@ -23,9 +21,9 @@ nlohmann::json to_json(const SessionReport& report) {
           {"rejected", report.rejected},
           {"refused", report.refused},
           {"optimize_ms",
-           {{"p50", percentile(report.optimize_ms, 0.5)},
-            {"p99", percentile(report.optimize_ms, 0.99)}}},
-          {"matches", {{"p50", percentile(report.matches, 0.5)}}},
+           {{"p50", percentile_json(report.optimize_ms, 0.5)},
+            {"p99", percentile_json(report.optimize_ms, 0.99)}}},
+          {"matches", {{"p50", percentile_json(report.matches, 0.5)}}},
           {"memory_bytes", report.memory_bytes}};
 }
 

@@ -1,11 +1,18 @@
 // fleetloc-eval: compares an estimate or a run with the ground truth.
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <iostream>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "deploy/tools/eval_run.hpp"
 #include "shared/config/program.hpp"
+#include "shared/geometry/pose_text.hpp"
+#include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace {
@@ -18,6 +25,8 @@ struct Options {
   std::string run;
   std::string alignment = "none";
   bool json = false;
+  std::optional<std::int64_t> pose_at_ns;
+  std::array<double, 4> displaced{};  // x, y, z [m], yaw [deg]
 };
 
 Trajectory read_poses(const std::string& file) {
@@ -43,6 +52,20 @@ int print(const nlohmann::json& evaluation, bool json) {
     print_row("translation [m]  ", evaluation.at("translation_m"));
     print_row("rotation [deg]   ", evaluation.at("rotation_deg"));
   }
+  return kSuccess;
+}
+
+/// A start pose for a robot whose start is only roughly known: the truth, displaced in the map.
+int print_start_pose(const Trajectory& truth, const Options& options) {
+  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+  const Timestamp stamp{Duration{*options.pose_at_ns}};
+  const auto nearest = std::ranges::min_element(
+      truth, {}, [&](const StampedPose& pose) { return std::abs((pose.stamp - stamp).count()); });
+  const auto& [x, y, z, yaw_deg] = options.displaced;
+  Pose T_map_body = nearest->T_ref_body;
+  T_map_body.p += Eigen::Vector3d(x, y, z);
+  T_map_body.R = exp_so3(Eigen::Vector3d(0.0, 0.0, yaw_deg * kRadPerDeg)) * T_map_body.R;
+  std::cout << pose_text(T_map_body) << '\n';
   return kSuccess;
 }
 
@@ -79,6 +102,15 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--run", options.run, "run folder; evaluation.json is added to it")
       ->excludes(estimate);
   app.add_flag("--json", options.json, "Print JSON instead of a table");
+  auto* at = app.add_option("--pose-at-ns",
+                            options.pose_at_ns,
+                            "print the ground-truth pose nearest to this stamp, as a start pose")
+                 ->excludes(estimate);
+  app.add_option("--displaced",
+                 options.displaced,
+                 "\"x y z yaw\" [m, deg] by which that pose is displaced in the map")
+      ->delimiter(' ')
+      ->needs(at);
 }
 
 }  // namespace
@@ -88,8 +120,11 @@ int main(int argc, char** argv) {
   Options options;
   add_options(program.options(), options);
   return program.run(argc, argv, [&]() -> Program::Run {
+    if (options.pose_at_ns) {
+      return [=, truth = read_poses(options.truth)] { return print_start_pose(truth, options); };
+    }
     if (options.estimate.empty() == options.run.empty()) {
-      throw std::invalid_argument("--estimate or --run is required");
+      throw std::invalid_argument("--estimate, --run or --pose-at-ns is required");
     }
     const auto config = read_evaluation_config(program.config().section("evaluation"));
     const Trajectory truth = read_poses(options.truth);

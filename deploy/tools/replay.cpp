@@ -9,6 +9,7 @@
 #include "cloud/pool/simulated_cloud.hpp"
 #include "robot/pipeline/run_recorder.hpp"
 #include "shared/config/progress_line.hpp"
+#include "shared/core/cpu_time.hpp"
 #include "shared/dataset/dataset_reader.hpp"
 #include "shared/link/memory_network.hpp"
 
@@ -36,18 +37,6 @@ struct FarSide {
               from_seconds(config.durations.localization_s),
               thread_cpu_time),
         client(kRobot, *robot_end, config.client) {}
-
-  [[nodiscard]] RunTraffic traffic() const {
-    const CloudClient::Statistics statistics = client.statistics();
-    const ChannelStatistics bytes = client.traffic();
-    return {.submaps_sent = statistics.submaps_sent,
-            .uplink_bytes = bytes.sent_payload_bytes,
-            .downlink_bytes = bytes.received_payload_bytes,
-            .uplink_wire_bytes = bytes.sent_wire_bytes,
-            .downlink_wire_bytes = bytes.received_wire_bytes,
-            .loss = statistics.loss,
-            .round_trip = statistics.round_trip};
-  }
 
   MemoryNetwork network;
   std::unique_ptr<Channel> robot_end;
@@ -87,7 +76,7 @@ class Replay {
   std::optional<DatasetReader::Item> next();
   void take(const ImuSample& sample);
   [[nodiscard]] RunTraffic traffic() const {
-    return far_side_ ? far_side_->traffic() : RunTraffic{};
+    return far_side_ ? far_side_->client.traffic() : RunTraffic{};
   }
 
   DatasetReader reader_;

@@ -114,6 +114,17 @@ CloudClient::Statistics CloudClient::statistics() const {
   return statistics;
 }
 
+RunTraffic CloudClient::traffic() const {
+  const ChannelStatistics bytes = channel_.statistics();
+  return {.submaps_sent = statistics_.submaps_sent,
+          .uplink_bytes = bytes.sent_payload_bytes,
+          .downlink_bytes = bytes.received_payload_bytes,
+          .uplink_wire_bytes = bytes.sent_wire_bytes,
+          .downlink_wire_bytes = bytes.received_wire_bytes,
+          .loss = sender_.loss(),
+          .round_trip = sender_.round_trip()};
+}
+
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
   return {.session_repetition = read_repetition_config(config.section("session_repetition"))};
 }

@@ -10,6 +10,7 @@
 #include "shared/model/map_localizer.hpp"
 #include "shared/protocol/repetition.hpp"
 #include "shared/protocol/submap_sender.hpp"
+#include "shared/run_folder/run_folder.hpp"
 
 namespace fleetloc {
 
@@ -40,7 +41,8 @@ class CloudClient final : public MapLocalizer {
   [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
 
   [[nodiscard]] Statistics statistics() const;
-  [[nodiscard]] ChannelStatistics traffic() const { return channel_.statistics(); }
+  /// What the network has moved so far.
+  [[nodiscard]] RunTraffic traffic() const;
 
  private:
   void receive_status(const Bytes& payload);

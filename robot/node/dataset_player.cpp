@@ -4,7 +4,7 @@
 #include <mutex>
 #include <utility>
 
-#include "robot/pipeline/run_recorder.hpp"
+#include "shared/core/cpu_time.hpp"
 
 namespace fleetloc {
 namespace {

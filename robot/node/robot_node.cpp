@@ -9,6 +9,7 @@
 #include "robot/node/threaded_back_end.hpp"
 #include "robot/pipeline/run_recorder.hpp"
 #include "shared/config/progress_line.hpp"
+#include "shared/core/cpu_time.hpp"
 #include "shared/transport/dds_channel.hpp"
 #include "shared/transport/pose_publisher.hpp"
 #include "shared/wire/pose_codec.hpp"
@@ -30,18 +31,6 @@ RobotSetup setup(const RobotNodeOptions& options, const DatasetReader& reader) {
           .calibration = reader.calibration(),
           .imu_noise = reader.imu_noise(),
           .T_map_body = options.T_map_body};
-}
-
-RunTraffic traffic(const CloudClient& client) {
-  const CloudClient::Statistics statistics = client.statistics();
-  const ChannelStatistics bytes = client.traffic();
-  return {.submaps_sent = statistics.submaps_sent,
-          .uplink_bytes = bytes.sent_payload_bytes,
-          .downlink_bytes = bytes.received_payload_bytes,
-          .uplink_wire_bytes = bytes.sent_wire_bytes,
-          .downlink_wire_bytes = bytes.received_wire_bytes,
-          .loss = statistics.loss,
-          .round_trip = statistics.round_trip};
 }
 
 }  // namespace
@@ -93,7 +82,7 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
   const PoseEstimate pose = pipeline.add_imu(sample);
   pipeline.poll(sample.stamp);
   recorder.add_imu_rate_pose(pose);
-  recorder.take(pipeline, traffic(client));
+  recorder.take(pipeline, client.traffic());
   if (pose.quality != Quality::kInitializing)
     publisher.publish(encode(RobotPoseEstimate{id, pose}));
 }
@@ -109,10 +98,10 @@ void RobotNode::run(const std::stop_token& stop) {
       progress.show(parts.frames, parts.frame_count);
     }
   }
-  parts.recorder.take(parts.pipeline, traffic(parts.client));
+  parts.recorder.take(parts.pipeline, parts.client.traffic());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   parts.recorder.finish(
-      parts.pipeline, traffic(parts.client), wall.count(), parts.player.reader().faults());
+      parts.pipeline, parts.client.traffic(), wall.count(), parts.player.reader().faults());
   spdlog::info("{}: {} frames, {} keyframes, {} submaps sent, {} answers from {}",
                parts.id,
                parts.frames,

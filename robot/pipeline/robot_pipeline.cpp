@@ -12,6 +12,8 @@ namespace {
 // More frames than this waiting for the IMU mean that it has stopped: the oldest are given up.
 constexpr std::size_t kMaxPending = 4;
 
+constexpr SessionNumber kSession{1};  // of a program's first start of the odometry
+
 }  // namespace
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -127,11 +129,19 @@ void RobotPipeline::take_back_end(Timestamp now) {
   const bool first = window_ == nullptr;
   window_ = std::move(result->window);
   frame_estimator_.update(window_);
+  if (first) fuse_first_window();
   imu_.forget_before(window_->keyframes.back().stamp);
   ++submaps_built_;
   if (localizer_ == nullptr) return;
   if (first) start_session(now);
   localizer_->submit(std::move(result->submap), now);
+}
+
+// The cloud will answer for this keyframe too, so fusion must know it.
+void RobotPipeline::fuse_first_window() {
+  const WindowKeyframe& newest = window_->keyframes.back();
+  fusion_.reset(kSession);
+  fusion_.add_odometry({newest.stamp, newest.state, window_->covariance});
 }
 
 void RobotPipeline::take_cloud(Timestamp now) {
@@ -153,7 +163,7 @@ void RobotPipeline::take_cloud(Timestamp now) {
 void RobotPipeline::start_session(Timestamp now) {
   RobotSession session;
   session.robot = setup_.id;
-  session.session = SessionNumber{1};
+  session.session = kSession;
   session.start_stamp = *first_frame_;
   session.stereo = stereo_;
   if (setup_.T_map_body) session.start = start_pose(*setup_.T_map_body);

@@ -105,6 +105,7 @@ class RobotPipeline {
   void initialize(const TrackedFrame& frame);
   bool estimate(const TrackedFrame& frame);
   void take_back_end(Timestamp now);
+  void fuse_first_window();
   void take_cloud(Timestamp now);
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;

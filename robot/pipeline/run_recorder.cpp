@@ -1,7 +1,5 @@
 #include "robot/pipeline/run_recorder.hpp"
 
-#include <ctime>
-
 #include <sys/resource.h>
 
 namespace fleetloc {
@@ -12,12 +10,6 @@ double seconds(const timeval& time) {
 }
 
 }  // namespace
-
-Duration thread_cpu_time() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
-}
 
 void RunRecorder::take(RobotPipeline& pipeline, const RunTraffic& traffic) {
   for (const FrameOutput& frame : pipeline.take_frames()) {
@@ -47,6 +39,7 @@ void RunRecorder::finish(const RobotPipeline& pipeline,
   for (const Duration cpu : pipeline.back_end_cpu()) {
     summary_.backend_ms.push_back(1e3 * to_seconds(cpu));
   }
+  summary_.keyframes = pipeline.keyframes();
   summary_.submaps_sent = traffic.submaps_sent;
   summary_.uplink_bytes = traffic.uplink_bytes;
   summary_.downlink_bytes = traffic.downlink_bytes;

@@ -8,17 +8,6 @@
 
 namespace fleetloc {
 
-/// What the network has moved so far, as far as a run folder tells.
-struct RunTraffic {
-  std::uint64_t submaps_sent = 0;
-  std::uint64_t uplink_bytes = 0;
-  std::uint64_t downlink_bytes = 0;
-  std::uint64_t uplink_wire_bytes = 0;
-  std::uint64_t downlink_wire_bytes = 0;
-  double loss = 0.0;
-  std::optional<Duration> round_trip;
-};
-
 /// Writes what a pipeline puts out into a run folder. Without a map there is no traffic.
 class RunRecorder {
  public:
@@ -40,8 +29,5 @@ class RunRecorder {
   RunFolder folder_;
   RunSummary summary_;
 };
-
-/// Processor time of the calling thread.
-Duration thread_cpu_time();
 
 }  // namespace fleetloc

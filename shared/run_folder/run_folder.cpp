@@ -93,7 +93,6 @@ void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
 void RunFolder::add_frame(const FrameRecord& frame) {
   const PoseEstimate& pose = frame.pose;
   ++counted_.frames;
-  if (frame.keyframe) ++counted_.keyframes;
   if (!first_frame_) first_frame_ = pose.stamp;
   last_frame_ = pose.stamp;
   diagnostics_ << diagnostics_line(frame);
@@ -130,7 +129,6 @@ void RunFolder::add_answer(const AnswerRecord& answer) {
 
 void RunFolder::finish(RunSummary summary) {
   summary.frames = counted_.frames;
-  summary.keyframes = counted_.keyframes;
   summary.answers_received = counted_.answers_received;
   summary.answers_applied = counted_.answers_applied;
   summary.answers_rejected = counted_.answers_rejected;

@@ -14,6 +14,17 @@
 
 namespace fleetloc {
 
+/// What the network has moved so far, as far as a run folder tells.
+struct RunTraffic {
+  std::uint64_t submaps_sent = 0;
+  std::uint64_t uplink_bytes = 0;
+  std::uint64_t downlink_bytes = 0;
+  std::uint64_t uplink_wire_bytes = 0;
+  std::uint64_t downlink_wire_bytes = 0;
+  double loss = 0.0;
+  std::optional<Duration> round_trip;
+};
+
 /// One line of diagnostics.csv, and of the two trajectories at frame times.
 struct FrameRecord {
   PoseEstimate pose;                 ///< at the frame's stamp; causal

@@ -5,20 +5,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/core/percentile.hpp"
+
 namespace fleetloc {
 namespace {
 
 using nlohmann::json;
-
-// Nearest rank; null for nothing.
-json percentiles(std::vector<double> values) {
-  if (values.empty()) return {{"p50", nullptr}, {"p99", nullptr}};
-  std::ranges::sort(values);
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-  };
-  return {{"p50", at(0.5)}, {"p99", at(0.99)}};
-}
 
 double sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -26,6 +18,10 @@ double sum(const std::vector<double>& values) {
 
 json optional(const std::optional<double>& value) {
   return value ? json(*value) : json(nullptr);
+}
+
+json percentiles(const std::vector<double>& values) {
+  return {{"p50", optional(percentile(values, 0.5))}, {"p99", optional(percentile(values, 0.99))}};
 }
 
 }  // namespace

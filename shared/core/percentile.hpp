@@ -1,0 +1,18 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace fleetloc {
+
+/// The value at `share` (0..1) of the sorted values, by nearest rank; nothing of nothing.
+inline std::optional<double> percentile(std::vector<double> values, double share) {
+  if (values.empty()) return std::nullopt;
+  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(rank));
+  return values[rank];
+}
+
+}  // namespace fleetloc
