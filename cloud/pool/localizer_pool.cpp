@@ -95,9 +95,8 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job() {
             .received = robot.waiting.front().received,
             .session = robot.localizer,
             .submaps = {},
-            .numbers = {}};
+            .error = {}};
     for (Waiting& waiting : robot.waiting) {
-      job.numbers.push_back(waiting.submap.number);
       job.submaps.push_back(std::move(waiting.submap));
     }
     robot.waiting.clear();
@@ -108,9 +107,21 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job() {
   return std::nullopt;
 }
 
+// Whatever one robot's submaps bring about, the others are served.
 Answer LocalizerPool::run(Job& job) {
-  for (const Submap& submap : job.submaps) job.session->add(submap);
-  return job.session->localize();
+  try {
+    for (const Submap& submap : job.submaps) job.session->add(submap);
+    return job.session->localize();
+  } catch (const std::exception& error) {
+    job.error = error.what();
+    const SubmapKeyframe& newest = job.submaps.back().keyframes.back();
+    Answer answer;
+    answer.status = LocalizationStatus::kNotConverged;
+    answer.keyframe = newest.id;
+    answer.revision = newest.revision;
+    answer.stamp = newest.stamp;
+    return answer;
+  }
 }
 
 void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Timestamp now) {
@@ -118,6 +129,7 @@ void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Ti
   robot.busy = false;
   if (robot.localizer != job.session) return;  // the session was replaced meanwhile
   SessionReport& report = robot.report;
+  if (!job.error.empty()) ++report.refused["error: " + job.error];
   if (answer.status == LocalizationStatus::kLocalized) {
     ++report.localized;
   } else {
@@ -143,7 +155,12 @@ std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, doub
     robot.answer->acknowledgements = robot.receiver.acknowledgements();
     if (robot.unsent) robot.repetition.sent(now);
     robot.unsent = false;
-    messages.push_back({id, {Topic::kLocalization, encode(*robot.answer)}});
+    try {
+      messages.push_back({id, {Topic::kLocalization, encode(*robot.answer)}});
+    } catch (const NotEncodable&) {  // a solution beyond all bounds harms only its own robot
+      robot.answer.reset();
+      refuse(id, "not_encodable");
+    }
   }
   if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
     status_sent_ = now;

@@ -50,7 +50,7 @@ class LocalizerPool {
     Timestamp received;  ///< the oldest of the submaps
     std::shared_ptr<SessionLocalizer> session;
     std::vector<Submap> submaps;
-    std::vector<SampleNumber> numbers;  // of the submaps
+    std::string error;  ///< what run() could not do
   };
 
   struct Outgoing {

@@ -46,9 +46,10 @@ int main(int argc, char** argv) {
       ->check(CLI::NonNegativeNumber);
   auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
                       ->check(CLI::PositiveNumber);
-  app.add_option("--initial-pose",
-                 initial_pose,
-                 "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+  auto* start_pose =
+      app.add_option("--initial-pose",
+                     initial_pose,
+                     "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
   app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
   app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
   return program.run(argc, argv, [&] {
@@ -57,7 +58,7 @@ int main(int argc, char** argv) {
                                   "' is not 1 to 32 of A-Z a-z 0-9 _ -");
     }
     if (limited->count() > 0) options.duration_s = duration;
-    if (!initial_pose.empty()) options.T_map_body = pose_from_text(initial_pose);
+    if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
     if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
     auto node = std::make_shared<RobotNode>(options, read_config(program.config()));
     return [node, stop = termination.token()] {
