@@ -127,8 +127,11 @@ void Replay::run(const std::stop_token& stop) {
 
 }  // namespace
 
-void replay(const ReplayOptions& options, const ReplayConfig& config, const std::stop_token& stop) {
-  Replay(options, config).run(stop);
+std::function<void(const std::stop_token&)> prepared_replay(const ReplayOptions& options,
+                                                            const ReplayConfig& config) {
+  return [replay = std::make_shared<Replay>(options, config)](const std::stop_token& stop) {
+    replay->run(stop);
+  };
 }
 
 }  // namespace fleetloc

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stop_token>
 
@@ -37,8 +38,10 @@ struct ReplayOptions {
   bool align_once = false;
 };
 
-/// Runs a dataset through robot, link and cloud in one thread and in simulated time. The same
-/// input gives the same bits. Throws std::runtime_error, e.g. from the readers.
-void replay(const ReplayOptions& options, const ReplayConfig& config, const std::stop_token& stop);
+/// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened. What is
+/// returned runs the dataset through robot, link and cloud, once, in one thread and in simulated
+/// time: the same input gives the same bits. It throws std::runtime_error, e.g. from the reader.
+std::function<void(const std::stop_token&)> prepared_replay(const ReplayOptions& options,
+                                                            const ReplayConfig& config);
 
 }  // namespace fleetloc

@@ -78,9 +78,10 @@ int main(int argc, char** argv) {
   app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
   app.add_option("--out", options.out, "run folder, is created")->required();
   app.add_option("--map", map, "laser map, made by fleetloc-map");
-  app.add_option("--initial-pose",
-                 initial_pose,
-                 "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+  auto* start_pose =
+      app.add_option("--initial-pose",
+                     initial_pose,
+                     "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
       ->check(CLI::NonNegativeNumber);
   auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
@@ -102,12 +103,12 @@ int main(int argc, char** argv) {
   return program.run(argc, argv, [&] {
     if (!map.empty()) options.map = map;
     if (limited->count() > 0) options.duration_s = duration;
-    if (!initial_pose.empty()) options.T_map_body = pose_from_text(initial_pose);
+    if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
     options.link = link_config(link);
     const auto config =
         read_config(program.config(), windowed->count() > 0 ? std::optional(window) : std::nullopt);
-    return [options, config, stop = termination.token()] {
-      replay(options, config, stop);
+    return [replay = prepared_replay(options, config), stop = termination.token()] {
+      replay(stop);
       return static_cast<int>(kSuccess);
     };
   });
