@@ -78,13 +78,21 @@ std::vector<const Candidate*> spread(const LandmarkSelection& selection,
 
 std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
                                       Images images,
-                                      std::span<const CandidateLandmark> landmarks) {
+                                      std::span<const CandidateLandmark> landmarks,
+                                      const std::set<LandmarkId>& kept) {
   const Candidates candidates = candidates_in(selection, images, landmarks);
-  std::vector<int> room(images.size(), selection.max_per_keyframe);
-  std::set<LandmarkId> selected;
+  const auto was_kept = [&kept](const StereoObservation& one) {
+    return kept.contains(one.landmark);
+  };
+  std::vector<int> room;
+  for (const std::vector<StereoObservation>* image : images) {
+    room.push_back(selection.max_per_keyframe -
+                   static_cast<int>(std::ranges::count_if(*image, was_kept)));
+  }
+  std::set<LandmarkId> selected = kept;
   for (std::size_t image = images.size(); image-- > 0;) {
     for (const Candidate* candidate : spread(selection, *images[image], candidates)) {
-      if (room[image] == 0) break;
+      if (room[image] <= 0) break;
       if (selected.contains(candidate->landmark->id)) continue;
       const auto has_room = [&room](std::size_t i) { return room[i] > 0; };
       if (!std::ranges::all_of(candidate->seen_in, has_room)) continue;

@@ -27,13 +27,15 @@ struct LandmarkSelection {
   double cell_px;  ///< side of the cells over which those of one image are spread
 };
 
-/// The landmarks to send: reliable ones, at most so many in each image, spread over it, those that
-/// are seen most often first. Newer images are served first.
+/// The landmarks to send: those of `kept`, and reliable ones, at most so many in each image, spread
+/// over it, those that are seen most often first. Newer images are served first.
 /// @param images     observations of the keyframes, oldest first
 /// @param landmarks  strictly increasing by id
+/// @param kept       were sent before: they take up room, and stay even where there is none
 std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
                                       std::span<const std::vector<StereoObservation>* const> images,
-                                      std::span<const CandidateLandmark> landmarks);
+                                      std::span<const CandidateLandmark> landmarks,
+                                      const std::set<LandmarkId>& kept);
 
 /// How many of them are reliable, whether there is room for them or not.
 int reliable_landmarks(const LandmarkSelection& selection,

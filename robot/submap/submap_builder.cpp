@@ -61,6 +61,7 @@ SubmapBuilder::SubmapBuilder(const Config& config) : config_(config) {}
 Submap SubmapBuilder::build(const SubmapInput& input) {
   assert(!input.keyframes.empty() && input.keyframes.size() == input.inertial.states.size());
   diagnostics_ = {};
+  note_departed(input);
   forget_before(input.keyframes.front().id);
   update_edges(input);
   Submap submap;
@@ -103,12 +104,49 @@ void SubmapBuilder::update_edge(const EdgeKey& key, const RelativePose& relative
   sent.final = final;
 }
 
-void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
-  std::vector<const std::vector<StereoObservation>*> images;
+// The odometry's window holds no observation of a landmark any more that a keyframe saw which left
+// it: the landmark was marginalized. Had it been rejected, that keyframe would not have it either.
+void SubmapBuilder::note_departed(const SubmapInput& input) {
+  std::set<LandmarkId> present;
   for (const SubmapInputKeyframe& keyframe : input.keyframes) {
-    images.push_back(&keyframe.observations);
+    for (const StereoObservation& one : keyframe.observations) present.insert(one.landmark);
   }
-  const auto selected = select_landmarks(config_.landmarks, images, input.landmarks);
+  std::set<LandmarkId> held;
+  for (const auto& [id, keyframe] : sent_keyframes_) {
+    const bool leaves = id < input.keyframes.front().id;
+    for (const StereoObservation& one : keyframe.observations) {
+      if (!leaves) held.insert(one.landmark);
+      if (leaves && !present.contains(one.landmark)) departed_.insert(one.landmark);
+    }
+  }
+  std::erase_if(departed_, [&held](LandmarkId id) { return !held.contains(id); });
+  std::erase_if(sent_landmarks_, [&](const auto& sent) {
+    return !present.contains(sent.first) && !departed_.contains(sent.first);
+  });
+}
+
+std::vector<StereoObservation> SubmapBuilder::with_departed(
+    const SubmapInputKeyframe& keyframe) const {
+  const auto sent = sent_keyframes_.find(keyframe.id);
+  if (sent == sent_keyframes_.end()) return keyframe.observations;
+  std::vector<StereoObservation> both;
+  std::ranges::merge(keyframe.observations,
+                     kept(sent->second.observations, departed_),
+                     std::back_inserter(both),
+                     {},
+                     &StereoObservation::landmark,
+                     &StereoObservation::landmark);
+  return both;
+}
+
+void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
+  std::vector<std::vector<StereoObservation>> observations;
+  for (const auto& keyframe : input.keyframes) observations.push_back(with_departed(keyframe));
+  std::vector<const std::vector<StereoObservation>*> images;
+  for (const auto& image : observations) images.push_back(&image);
+  std::set<LandmarkId> sent;
+  for (const auto& [id, p_odom] : sent_landmarks_) sent.insert(id);
+  const auto selected = select_landmarks(config_.landmarks, images, input.landmarks, sent);
   diagnostics_.reliable_landmarks = reliable_landmarks(config_.landmarks, input.landmarks);
   diagnostics_.selected_landmarks = static_cast<int>(selected.size());
   for (std::size_t i = 0; i < input.keyframes.size(); ++i) {
@@ -120,11 +158,12 @@ void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
                               .stamp = keyframe.stamp,
                               .T_odom_body = input.inertial.states[i].T_odom_body,
                               .tilt_sigma = tilt_sigma(keyframe),
-                              .observations = kept(keyframe.observations, selected)}));
+                              .observations = kept(observations[i], selected)}));
   }
   for (const CandidateLandmark& landmark : input.landmarks) {
-    if (selected.contains(landmark.id)) submap.landmarks.push_back({landmark.id, landmark.p_odom});
+    if (selected.contains(landmark.id)) sent_landmarks_[landmark.id] = landmark.p_odom;
   }
+  for (const auto& [id, p_odom] : sent_landmarks_) submap.landmarks.push_back({id, p_odom});
 }
 
 double SubmapBuilder::tilt_sigma(const SubmapInputKeyframe& keyframe) const {

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,11 @@ struct SubmapInput {
 };
 
 /// Makes the paper's virtual observation out of each window of one session.
+///
+/// An observation that was sent stays in the later submaps with its keyframe. The odometry drops a
+/// landmark's last observations when it marginalizes the first one, and in fast motion that is most
+/// of them; the cloud, whose window is longer, would lose them with the keyframe's next revision.
+/// Only what the odometry has rejected is taken back.
 class SubmapBuilder {
  public:
   struct Config {
@@ -65,6 +71,10 @@ class SubmapBuilder {
   };
   using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
 
+  /// Observations of a keyframe with those that the odometry has marginalized out put back.
+  [[nodiscard]] std::vector<StereoObservation> with_departed(
+      const SubmapInputKeyframe& keyframe) const;
+  void note_departed(const SubmapInput& input);
   void update_edges(const SubmapInput& input);
   void update_edge(const EdgeKey& key, const RelativePose& relative, bool final);
   void add_keyframes(const SubmapInput& input, Submap& submap);
@@ -72,6 +82,8 @@ class SubmapBuilder {
   void forget_before(KeyframeId oldest);
 
   Config config_;
+  std::map<LandmarkId, Eigen::Vector3d> sent_landmarks_;  ///< p_odom, as estimated last [m]
+  std::set<LandmarkId> departed_;  ///< of them, left the odometry's window with a keyframe
   std::map<KeyframeId, SubmapKeyframe> sent_keyframes_;
   std::map<EdgeKey, SentEdge> sent_edges_;
   Diagnostics diagnostics_;

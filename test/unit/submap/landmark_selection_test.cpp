@@ -1,6 +1,7 @@
 #include "robot/submap/landmark_selection.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <gmock/gmock.h>
 
@@ -24,11 +25,12 @@ StereoObservation seen(std::uint32_t id, double u, double v) {
 }
 
 std::vector<std::uint32_t> selected_of(const std::vector<std::vector<StereoObservation>>& images,
-                                       const std::vector<CandidateLandmark>& landmarks) {
+                                       const std::vector<CandidateLandmark>& landmarks,
+                                       const std::set<LandmarkId>& kept = {}) {
   std::vector<const std::vector<StereoObservation>*> views;
   for (const auto& image : images) views.push_back(&image);
   std::vector<std::uint32_t> ids;
-  for (const LandmarkId id : select_landmarks(kSelection, views, landmarks)) {
+  for (const LandmarkId id : select_landmarks(kSelection, views, landmarks, kept)) {
     ids.push_back(static_cast<std::uint32_t>(id));
   }
   return ids;
@@ -67,6 +69,14 @@ TEST(LandmarkSelection, SpreadsThemOverTheImage) {
                            candidate(6),
                            candidate(7)}),
               ElementsAre(2, 5, 6, 7));
+}
+
+TEST(LandmarkSelection, GivesRoomToWhatWasSentBefore) {
+  const std::vector<StereoObservation> image{
+      seen(1, 10, 10), seen(2, 20, 10), seen(3, 110, 10), seen(4, 210, 10), seen(5, 310, 10)};
+  const std::vector<CandidateLandmark> landmarks{candidate(3), candidate(4, 9), candidate(5)};
+  EXPECT_THAT(selected_of({image}, landmarks, {LandmarkId{1}, LandmarkId{2}, LandmarkId{5}}),
+              ElementsAre(1, 2, 4, 5));
 }
 
 TEST(LandmarkSelection, KeepsTheLimitInEveryImage) {

@@ -1,5 +1,6 @@
 #include "robot/submap/submap_builder.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -85,6 +86,48 @@ TEST(SubmapBuilder, LeavesOutObservationsOfLandmarksThatAreNotSelected) {
       EXPECT_EQ(keyframe.observations[i].landmark, submap.landmarks[i].id);
       EXPECT_NE(keyframe.observations[i].landmark, LandmarkId{50});
     }
+  }
+}
+
+// As the odometry does it: `landmark` out of all keyframes of the window.
+void drop(LandmarkId landmark, SubmapInput& input) {
+  for (SubmapInputKeyframe& keyframe : input.keyframes) {
+    std::erase_if(keyframe.observations,
+                  [landmark](const auto& one) { return one.landmark == landmark; });
+  }
+  std::erase_if(input.landmarks, [landmark](const auto& one) { return one.id == landmark; });
+}
+
+bool sees(const SubmapKeyframe& keyframe, LandmarkId landmark) {
+  return std::ranges::binary_search(
+      keyframe.observations, landmark, {}, &StereoObservation::landmark);
+}
+
+TEST(SubmapBuilder, KeepsWhatItSentOfLandmarksThatTheOdometryMarginalizes) {
+  SubmapBuilder builder(default_builder_config());
+  const LandmarkId landmark = builder.build(input_at(0)).landmarks[3].id;
+  SubmapInput input = input_at(1);  // keyframe 0, which saw the landmark, has left
+  drop(landmark, input);
+  const Submap submap = builder.build(input);
+  for (std::size_t i = 0; i + 1 < kWindow; ++i) {
+    EXPECT_TRUE(sees(submap.keyframes[i], landmark)) << i;
+    EXPECT_EQ(submap.keyframes[i].revision, Revision{1}) << i;
+  }
+  EXPECT_FALSE(sees(submap.keyframes.back(), landmark));
+  EXPECT_TRUE(std::holds_alternative<Submap>(decode_submap(encode([&] {
+    Submap named = submap;
+    named.robot = "robot_1";
+    return named;
+  }()))));
+}
+
+TEST(SubmapBuilder, TakesBackWhatTheOdometryRejects) {
+  SubmapBuilder builder(default_builder_config());
+  SubmapInput input = input_at(0);
+  const LandmarkId landmark = builder.build(input).landmarks[3].id;
+  drop(landmark, input);
+  for (const SubmapKeyframe& keyframe : builder.build(input).keyframes) {
+    EXPECT_FALSE(sees(keyframe, landmark));
   }
 }
 
