@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace fleetloc {
+
+/// What a program left when it ended.
+struct Outcome {
+  int exit_code = -1;  ///< -1: it did not exit but crashed
+  std::string output;
+  std::string errors;
+};
+
+/// A running program, ended at the latest with this object. Its output goes to files, so it never
+/// waits for a reader.
+class ChildProgram {
+ public:
+  ChildProgram(const std::string& program, const std::vector<std::string>& arguments);
+  ~ChildProgram();
+  ChildProgram(const ChildProgram&) = delete;
+  ChildProgram& operator=(const ChildProgram&) = delete;
+
+  void signal(int number) const;
+  /// Waits for its end.
+  Outcome wait();
+
+ private:
+  std::filesystem::path output_;
+  std::filesystem::path errors_;
+  pid_t pid_ = -1;
+};
+
+/// Runs a program to its end.
+Outcome run(const std::string& program, const std::vector<std::string>& arguments);
+
+/// A new folder, removed with this object.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string content_of(const std::filesystem::path& file);
+
+}  // namespace fleetloc

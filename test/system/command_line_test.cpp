@@ -1,0 +1,253 @@
+// What the programs say to their command line, whatever is wrong with it.
+#include <algorithm>
+#include <fstream>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "shared/dataset/dataset_writer.hpp"
+#include "test/system/child_program.hpp"
+#include "test/unit/model/euroc_calibration.hpp"
+
+namespace fleetloc {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+using Options = std::map<std::string, std::string>;
+
+constexpr int kCannotStart = 2;
+constexpr const char* kLan = FLEETLOC_SOURCE_DIR "/qos_profiles/lan.xml";
+
+void write_dataset(const std::filesystem::path& folder) {
+  using std::chrono::milliseconds;
+  const Timestamp begin(std::chrono::seconds(1'000));
+  DatasetWriter writer({.folder = folder,
+                        .calibration = euroc_calibration(),
+                        .imu_noise = {1.7e-4, 2.0e-5, 2.0e-3, 3.0e-3},
+                        .frame_rate_hz = 20.0,
+                        .imu_rate_hz = 200.0});
+  for (int i = 0; i < 3; ++i) {
+    const cv::Mat black(480, 752, CV_8UC1, cv::Scalar(0));
+    writer.add(StereoFrame{begin + milliseconds(50 * i), black, black});
+  }
+  for (int i = 0; i < 30; ++i) {
+    writer.add(ImuSample{begin + milliseconds(5 * i), {0.0, 0.0, 0.0}, {0.0, 0.0, 9.81}});
+  }
+  writer.finish();
+}
+
+void write_wall(const std::filesystem::path& file) {
+  constexpr int kSide = 60;
+  std::ofstream stream(file);
+  stream << "ply\nformat ascii 1.0\nelement vertex " << kSide * kSide
+         << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      stream << 0.05 * row << ' ' << 0.05 * column << " 0\n";
+    }
+  }
+}
+
+std::vector<std::string> arguments(const Options& options) {
+  std::vector<std::string> words;
+  for (const auto& [name, value] : options) {
+    words.push_back(name);
+    words.push_back(value);
+  }
+  return words;
+}
+
+Options with(Options options, const std::string& name, const std::string& value) {
+  options[name] = value;
+  return options;
+}
+
+Options without(Options options, const std::string& name) {
+  options.erase(name);
+  return options;
+}
+
+/// One line on stderr, that of the program, names what is wrong; nothing else happens.
+void expect_refused(const std::string& program,
+                    const std::vector<std::string>& words,
+                    const std::string& culprit) {
+  SCOPED_TRACE(testing::PrintToString(words));
+  const Outcome outcome = run(program, words);
+  EXPECT_EQ(outcome.exit_code, kCannotStart);
+  EXPECT_EQ(outcome.output, "");
+  const std::string name = std::filesystem::path(program).filename();
+  EXPECT_THAT(outcome.errors, AllOf(StartsWith(name + ": "), HasSubstr(culprit)));
+  EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
+}
+
+void expect_refused(const std::string& program,
+                    const Options& options,
+                    const std::string& culprit) {
+  expect_refused(program, arguments(options), culprit);
+}
+
+/// Files that are right, and files that are not.
+class CommandLine : public testing::Test {
+ protected:
+  CommandLine() {
+    write_dataset(scratch_ / "dataset");
+    write_wall(scratch_ / "wall.ply");
+    std::ofstream(scratch_ / "wrong.yaml") << "tracking:\n  no_such_key: 3\n";
+    std::ofstream(scratch_ / "malformed.xml") << "<dds><profiles>";
+    std::ofstream(scratch_ / "other.xml")
+        << "<profiles><participant profile_name=\"toaster\"><rtps><name>toaster</name></rtps>"
+           "</participant></profiles>";
+    std::ofstream(scratch_ / "file") << "not a folder\n";
+    std::ofstream(scratch_ / "truth.tum") << "1000.0 0 0 0 0 0 0 1\n1000.1 0 0 0 0 0 0 1\n";
+  }
+
+  void SetUp() override {
+    const Outcome built =
+        run(FLEETLOC_MAP, {"build", "--cloud", file("wall.ply"), "--out", file("map.pcd")});
+    ASSERT_EQ(built.exit_code, 0) << built.errors;
+  }
+
+  [[nodiscard]] std::string file(const std::string& name) const {
+    return (scratch_ / name).string();
+  }
+
+  /// What is wrong with QoS, domain and configuration is wrong for each program with DDS.
+  void expect_network_checked(const std::string& program, const Options& good) const {
+    for (const char* name : {"missing.xml", "malformed.xml"}) {
+      expect_refused(program, with(good, "--qos", file(name)), file(name));
+    }
+    expect_refused(program, with(good, "--qos", file("other.xml")), "no participant has");
+    expect_refused(program, with(good, "--domain", "101"), "101");
+    expect_refused(program, with(good, "--domain", "-1"), "-1");
+    expect_refused(program, with(good, "--link", file("missing.yaml")), file("missing.yaml"));
+  }
+
+  /// Each of `required` is missed by its name, and what is not an option is named.
+  void expect_options_checked(const std::string& program,
+                              const Options& good,
+                              const std::vector<std::string>& required) const {
+    expect_refused(program, with(good, "--no-such-option", "1"), "--no-such-option");
+    for (const std::string& name : required) expect_refused(program, without(good, name), name);
+    expect_refused(program,
+                   with(good, "--config", file("wrong.yaml")),
+                   file("wrong.yaml") + ":2: tracking.no_such_key");
+    expect_refused(program, with(good, "--config", file("missing.yaml")), file("missing.yaml"));
+  }
+
+  void expect_start_pose_checked(const std::string& program, const Options& good) const {
+    for (const char* pose : {"", "1 2 3", "1 2 3 0 0 0 one", "1 2 3 0 0 0 0", "1 2 nan 0 0 0 1"}) {
+      expect_refused(program, with(good, "--initial-pose", pose), std::string("'") + pose + "'");
+    }
+  }
+
+  const ScratchFolder scratch_;
+};
+
+TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
+  for (const char* program :
+       {FLEETLOC_ROBOT, FLEETLOC_CLOUD, FLEETLOC_MAP, FLEETLOC_REPLAY, FLEETLOC_EVAL}) {
+    const std::string name = std::filesystem::path(program).filename();
+    const Outcome help = run(program, {"--help"});
+    EXPECT_EQ(help.exit_code, 0) << name;
+    EXPECT_THAT(help.output, AllOf(HasSubstr("--config"), HasSubstr("--print-config")));
+    EXPECT_EQ(help.errors, "");
+    const Outcome version = run(program, {"--version"});
+    EXPECT_EQ(version.exit_code, 0) << name;
+    EXPECT_THAT(version.output, StartsWith(name + " "));
+    const Outcome config = run(program, {"--print-config"});
+    EXPECT_EQ(config.exit_code, 0) << name;
+    EXPECT_THAT(config.output, HasSubstr("tracking:"));
+  }
+}
+
+TEST_F(CommandLine, IsCheckedByTheRobot) {
+  const Options good{{"--robot-id", "robot_1"},
+                     {"--dataset", file("dataset")},
+                     {"--qos", kLan},
+                     {"--out", file("out")},
+                     {"--domain", "100"}};
+  expect_options_checked(FLEETLOC_ROBOT, good, {"--robot-id", "--dataset", "--qos", "--out"});
+  expect_network_checked(FLEETLOC_ROBOT, good);
+  expect_start_pose_checked(FLEETLOC_ROBOT, good);
+  for (const char* id : {"", "a b", "robot/1", "abcdefghijklmnopqrstuvwxyz0123456"}) {
+    expect_refused(FLEETLOC_ROBOT, with(good, "--robot-id", id), std::string("'") + id + "'");
+  }
+  expect_refused(FLEETLOC_ROBOT, with(good, "--dataset", file("none")), file("none"));
+  expect_refused(FLEETLOC_ROBOT, with(good, "--out", file("file") + "/out"), file("file") + "/out");
+  expect_refused(FLEETLOC_ROBOT, with(good, "--rate", "-1"), "--rate");
+  expect_refused(FLEETLOC_ROBOT, with(good, "--duration", "0"), "--duration");
+  expect_refused(FLEETLOC_ROBOT, with(good, "--codec", "morse"), "morse");
+}
+
+TEST_F(CommandLine, IsCheckedByTheCloud) {
+  const Options good{{"--name", "localizer_1"},
+                     {"--map", file("map.pcd")},
+                     {"--qos", kLan},
+                     {"--out", file("out")},
+                     {"--domain", "100"}};
+  expect_options_checked(FLEETLOC_CLOUD, good, {"--name", "--map", "--qos", "--out"});
+  expect_network_checked(FLEETLOC_CLOUD, good);
+  expect_refused(FLEETLOC_CLOUD, with(good, "--name", "a b"), "'a b'");
+  expect_refused(FLEETLOC_CLOUD, with(good, "--map", file("none.pcd")), file("none.pcd"));
+  expect_refused(FLEETLOC_CLOUD, with(good, "--map", file("wall.ply")), file("wall"));
+  expect_refused(FLEETLOC_CLOUD, with(good, "--out", file("file") + "/out"), file("file") + "/out");
+}
+
+TEST_F(CommandLine, IsCheckedByTheReplay) {
+  const Options good{{"--dataset", file("dataset")}, {"--out", file("out")}};
+  expect_options_checked(FLEETLOC_REPLAY, good, {"--dataset", "--out"});
+  expect_start_pose_checked(FLEETLOC_REPLAY, good);
+  expect_refused(FLEETLOC_REPLAY, with(good, "--dataset", file("none")), file("none"));
+  expect_refused(FLEETLOC_REPLAY, with(good, "--map", file("none.pcd")), file("none.pcd"));
+  expect_refused(
+      FLEETLOC_REPLAY, with(good, "--out", file("file") + "/out"), file("file") + "/out");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--link", file("none.yaml")), file("none.yaml"));
+  expect_refused(FLEETLOC_REPLAY, with(good, "--loss", "1.5"), "--loss");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--latency", "-1"), "--latency");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--direction", "sideways"), "sideways");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--window", "1"), "--window");
+}
+
+TEST_F(CommandLine, IsCheckedByTheMapTool) {
+  const std::string cloud = file("wall.ply");
+  const std::string out = file("new.pcd");
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& culprit) {
+    expect_refused(FLEETLOC_MAP, words, culprit);
+  };
+  refused({}, "subcommand");
+  refused({"fold"}, "fold");
+  refused({"info"}, "map");
+  refused({"info", file("none.pcd")}, file("none.pcd"));
+  refused({"build", "--out", out}, "--cloud");
+  refused({"build", "--cloud", cloud}, "--out");
+  refused({"build", "--cloud", cloud, "--out", out, "--no-such-option"}, "--no-such-option");
+  refused({"build", "--cloud", file("none.ply"), "--out", out}, file("none.ply"));
+  refused({"build", "--cloud", cloud, "--out", file("new.txt")}, file("new.txt"));
+  refused({"build", "--cloud", cloud, "--out", out, "--config", file("wrong.yaml")},
+          file("wrong.yaml") + ":2: tracking.no_such_key");
+}
+
+TEST_F(CommandLine, IsCheckedByTheEvaluation) {
+  const Options good{{"--ground-truth", file("truth.tum")}, {"--estimate", file("truth.tum")}};
+  expect_options_checked(FLEETLOC_EVAL, good, {"--ground-truth", "--estimate"});
+  expect_refused(FLEETLOC_EVAL, with(good, "--ground-truth", file("none")), file("none"));
+  expect_refused(FLEETLOC_EVAL, with(good, "--estimate", file("none")), file("none"));
+  expect_refused(FLEETLOC_EVAL, with(good, "--align", "loosely"), "loosely");
+  expect_refused(
+      FLEETLOC_EVAL, with(without(good, "--estimate"), "--run", file("none")), file("none"));
+}
+
+TEST(Robot, LinksNoPointCloudLibrary) {
+  const Outcome linked = run("/usr/bin/ldd", {FLEETLOC_ROBOT});
+  ASSERT_EQ(linked.exit_code, 0) << linked.errors;
+  EXPECT_THAT(linked.output, HasSubstr("libfastrtps"));
+  EXPECT_THAT(linked.output, AllOf(Not(HasSubstr("libpcl")), Not(HasSubstr("libvtk"))));
+}
+
+}  // namespace
+}  // namespace fleetloc

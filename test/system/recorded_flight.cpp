@@ -1,0 +1,98 @@
+#include "test/system/recorded_flight.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+#include <stdexcept>
+
+#include "shared/geometry/pose_text.hpp"
+#include "shared/geometry/so3.hpp"
+#include "shared/trajectory/tum_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+const Eigen::Vector3d kDisplacement_m{0.2, 0.2, 0.1};  // 0.3 m
+constexpr double kDisplacement_rad = 3.0 * std::numbers::pi / 180.0;
+
+Timestamp first_image(const std::filesystem::path& dataset) {
+  const auto file = dataset / "mav0" / "cam0" / "data.csv";
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty() && line.front() != '#') return Timestamp(Duration(std::stoll(line)));
+  }
+  throw std::runtime_error(file.string() + ": no images");
+}
+
+Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
+  Outcome outcome = run(program, arguments);
+  if (outcome.exit_code != 0) throw std::runtime_error(outcome.errors);
+  return outcome;
+}
+
+}  // namespace
+
+std::filesystem::path recordings() {
+  return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+std::string RecordedFlight::displaced_start_pose() const {
+  constexpr std::chrono::milliseconds kMaxGap{100};
+  const auto T_map_body = interpolate(read_trajectory(ground_truth), first_image(folder), kMaxGap);
+  if (!T_map_body) throw std::runtime_error("no ground truth at the first image");
+  const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kDisplacement_rad});
+  return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement_m});
+}
+
+RecordedFlight machine_hall() {
+  const auto folder = recordings() / "euroc_mh01_17s";
+  return {.folder = folder,
+          .ground_truth = folder / "mav0" / "state_groundtruth_estimate0" / "data.tum"};
+}
+
+RecordedFlight vicon_room() {
+  const auto folder = recordings() / "semireal_v101";
+  return {.folder = folder,
+          .ground_truth = folder / "mav0" / "state_groundtruth_estimate0" / "data.csv"};
+}
+
+std::filesystem::path built_map(const RecordedFlight& flight, const ScratchFolder& scratch) {
+  const auto map = scratch / "map.pcd";
+  must_run(FLEETLOC_MAP,
+           {"build",
+            "--cloud",
+            flight.folder / "mav0" / "pointcloud0" / "data.ply",
+            "--out",
+            map.string()});
+  return map;
+}
+
+nlohmann::json parsed_json(const std::filesystem::path& file) {
+  return nlohmann::json::parse(content_of(file));
+}
+
+nlohmann::json odometry_errors(const std::filesystem::path& run, const RecordedFlight& flight) {
+  const Outcome outcome = must_run(FLEETLOC_EVAL,
+                                   {"--ground-truth",
+                                    flight.ground_truth.string(),
+                                    "--estimate",
+                                    run / "odometry.tum",
+                                    "--align",
+                                    "se3",
+                                    "--json"});
+  return nlohmann::json::parse(outcome.output);
+}
+
+nlohmann::json run_errors(const std::filesystem::path& run, const RecordedFlight& flight) {
+  must_run(FLEETLOC_EVAL,
+           {"--ground-truth", flight.ground_truth.string(), "--run", run.string(), "--json"});
+  return parsed_json(run / "evaluation.json");
+}
+
+double share_of_frames(const std::filesystem::path& run, const std::string& file) {
+  const auto poses = std::ranges::count(content_of(run / file), '\n');
+  const auto frames = parsed_json(run / "summary.json").at("frames").get<double>();
+  return static_cast<double>(poses) / frames;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "test/system/child_program.hpp"
+
+namespace fleetloc {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;  ///< about ten times slower
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+/// Where recordings for tests lie: beside the source tree, never in it.
+std::filesystem::path recordings();
+
+/// A recorded dataset, and what tests need of it.
+struct RecordedFlight {
+  std::filesystem::path folder;
+  std::filesystem::path ground_truth;
+
+  /// For --initial-pose: the ground truth at the first image, displaced in the map by 0.3 m and 3
+  /// degrees of yaw.
+  [[nodiscard]] std::string displaced_start_pose() const;
+};
+
+/// All real, hand-held, 17 s, no laser map.
+RecordedFlight machine_hall();
+/// Real IMU and room, rendered images, 50 s, with a laser scan.
+RecordedFlight vicon_room();
+
+/// fleetloc-map build on the flight's scan.
+std::filesystem::path built_map(const RecordedFlight& flight, const ScratchFolder& scratch);
+
+nlohmann::json parsed_json(const std::filesystem::path& file);
+
+/// What fleetloc-eval prints: of one file, and of a run folder.
+nlohmann::json odometry_errors(const std::filesystem::path& run, const RecordedFlight& flight);
+nlohmann::json run_errors(const std::filesystem::path& run, const RecordedFlight& flight);
+
+/// Lines of `file`, per frame of the run.
+double share_of_frames(const std::filesystem::path& run, const std::string& file);
+
+}  // namespace fleetloc
