@@ -70,14 +70,22 @@ fi
 
 echo "== localizer and robot, DDS domain ${FLEETLOC_DOMAIN:-0}, rate $rate"
 "$bin/fleetloc-cloud" --map "$out/map.pcd" --name localizer_1 --qos "$root/qos_profiles/lan.xml" \
-  --domain "${FLEETLOC_DOMAIN:-0}" --out "$out/localizer_1" &
-children+=($!)
+  --domain "${FLEETLOC_DOMAIN:-0}" --out "$out/localizer_1" > "$out/localizer_1.log" 2>&1 &
+localizer=$!
+children+=("$localizer")
+for _ in $(seq 200); do  # until the map is loaded
+  grep -q serving "$out/localizer_1.log" && break
+  kill -0 "$localizer" 2>/dev/null || break
+  sleep 0.1
+done
+grep serving "$out/localizer_1.log" || { cat "$out/localizer_1.log" >&2; fail "no localizer"; }
 "$bin/fleetloc-robot" --robot-id robot_1 --dataset "$dataset" --qos "$root/qos_profiles/lan.xml" \
   --domain "${FLEETLOC_DOMAIN:-0}" --rate "$rate" --initial-pose "$initial_pose" \
   --out "$out/robot_1" &
 robot=$!
 children+=("$robot")
 wait "$robot" || fail "the robot failed (exit code $?)"
+kill -0 "$localizer" 2>/dev/null || { cat "$out/localizer_1.log" >&2; fail "the localizer died"; }
 cleanup
 children=()
 

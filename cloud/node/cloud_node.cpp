@@ -94,6 +94,11 @@ void CloudNode::run(const std::stop_token& stop) {
         channel_.send(outgoing.partition, std::move(outgoing.message), now);
       }
     }
+    workers.finish();
+    finish_jobs(workers);
+  }
+  for (const auto& [reason, count] : pool_.unattributed()) {
+    spdlog::warn("{}: {} messages of no session: {}", options_.name, count, reason);
   }
   write_sessions(options_.out / "sessions.json", pool_.reports());
   spdlog::info("{}: stopped, {} robots served", options_.name, pool_.sessions());

@@ -17,13 +17,18 @@ void WorkerPool::work(const std::stop_token& stop) {
   while (auto job = jobs_.pop(stop)) {
     const Duration begin = thread_cpu_time();
     Answer answer = LocalizerPool::run(*job);
-    finished_.push({std::move(*job), std::move(answer), thread_cpu_time() - begin}, stop);
+    finished_.push({std::move(*job), std::move(answer), thread_cpu_time() - begin});
   }
 }
 
 void WorkerPool::start(LocalizerPool::Job job) {
   ++running_;
   jobs_.push(std::move(job));
+}
+
+void WorkerPool::finish() {
+  jobs_.close();
+  threads_.clear();
 }
 
 std::optional<WorkerPool::Finished> WorkerPool::take() {

@@ -26,6 +26,9 @@ class WorkerPool {
   void start(LocalizerPool::Job job);
   std::optional<Finished> take();
 
+  /// Waits for the jobs that run; nothing can be started after it.
+  void finish();
+
  private:
   void work(const std::stop_token& stop);
 

@@ -26,14 +26,14 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
 void LocalizerPool::receive_session(const Bytes& payload) {
   auto decoded = decode_robot_session(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    ++undecodable_[std::string(name(*reason))];
+    ++unattributed_[std::string(name(*reason))];
     return;
   }
   auto& session = std::get<RobotSession>(decoded);
   if (session.localizer != name_) return;
   const auto known = robots_.find(session.robot);
   if (known == robots_.end() && robots_.size() >= config_.max_sessions) {
-    ++undecodable_["too_many_sessions"];
+    ++unattributed_["too_many_sessions"];
     return;
   }
   Robot& robot = known != robots_.end()
@@ -59,13 +59,13 @@ void LocalizerPool::receive_session(const Bytes& payload) {
 void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
   auto decoded = decode_submap(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    ++undecodable_[std::string(name(*reason))];
+    ++unattributed_[std::string(name(*reason))];
     return;
   }
   auto& submap = std::get<Submap>(decoded);
   const auto found = robots_.find(submap.robot);
   if (found == robots_.end()) {
-    ++undecodable_["unknown_robot"];
+    ++unattributed_["unknown_robot"];
     return;
   }
   Robot& robot = found->second;

@@ -78,6 +78,10 @@ class LocalizerPool {
   std::vector<Outgoing> outgoing(Timestamp now, double load);
 
   [[nodiscard]] std::map<RobotId, SessionReport> reports() const;
+  /// Messages that belong to no session, by reason.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& unattributed() const {
+    return unattributed_;
+  }
   [[nodiscard]] std::size_t sessions() const { return robots_.size(); }
 
  private:
@@ -110,7 +114,7 @@ class LocalizerPool {
   Config config_;
   std::map<RobotId, Robot> robots_;
   RobotId last_served_;
-  std::map<std::string, std::uint64_t> undecodable_;  // messages of nobody, by reason
+  std::map<std::string, std::uint64_t> unattributed_;
   std::optional<Timestamp> status_sent_;
 };
 

@@ -25,6 +25,11 @@ std::optional<DatasetPlayer::Played> DatasetPlayer::next(const std::stop_token& 
   return played;
 }
 
+void DatasetPlayer::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
 void DatasetPlayer::play(const std::stop_token& stop) {
   try {
     while (!stop.stop_requested()) {

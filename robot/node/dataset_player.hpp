@@ -25,7 +25,10 @@ class DatasetPlayer {
   /// ended the reading.
   std::optional<Played> next(const std::stop_token& stop);
 
-  /// Once next() has returned nothing.
+  /// Ends the playing; next() gives nothing any more.
+  void stop();
+
+  /// After stop().
   [[nodiscard]] const DatasetReader& reader() const { return reader_; }
 
  private:

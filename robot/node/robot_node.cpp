@@ -26,10 +26,15 @@ DdsChannel::Config channel_config(const RobotNodeOptions& options) {
           .link = options.link};
 }
 
+// The time of day orders the runs of a robot's program: the recording's stamps do not.
 RobotSetup setup(const RobotNodeOptions& options, const DatasetReader& reader) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now).count();
   return {.id = options.id,
           .calibration = reader.calibration(),
           .imu_noise = reader.imu_noise(),
+          .session = SessionNumber{static_cast<std::uint32_t>(seconds)},
+          .program_start = Timestamp{now},
           .T_map_body = options.T_map_body};
 }
 
@@ -48,7 +53,10 @@ struct RobotNode::Parts {
         frame_count(reader.frame_count()),
         player(std::move(reader), options.rate) {}
 
+  void play(const std::stop_token& stop);
   void take(DatasetPlayer::Played played);
+  void publish(const PoseEstimate& pose);
+  void finish(double wall_s);
 
   RobotId id;
   DdsChannel channel;
@@ -59,7 +67,8 @@ struct RobotNode::Parts {
   RunRecorder recorder;
   std::size_t frame_count;
   std::size_t frames = 0;
-  DatasetPlayer player;  // last: it starts to play
+  std::uint64_t unpublished = 0;  // poses
+  DatasetPlayer player;           // last: it starts to play
 };
 
 RobotNode::RobotNode(const RobotNodeOptions& options, const RobotNodeConfig& config)
@@ -83,33 +92,59 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
   pipeline.poll(sample.stamp);
   recorder.add_imu_rate_pose(pose);
   recorder.take(pipeline, client.traffic());
-  if (pose.quality != Quality::kInitializing)
+  if (pose.quality != Quality::kInitializing) publish(pose);
+}
+
+void RobotNode::Parts::publish(const PoseEstimate& pose) {
+  try {
     publisher.publish(encode(RobotPoseEstimate{id, pose}));
+  } catch (const NotEncodable&) {  // beyond what the type holds: nobody should use it
+    ++unpublished;
+  }
+}
+
+void RobotNode::Parts::play(const std::stop_token& stop) {
+  ProgressLine progress(id);
+  while (auto played = player.next(stop)) {
+    take(std::move(*played));
+    progress.show(frames, frame_count);
+  }
+}
+
+// What has been recorded is kept, whatever ended the run.
+void RobotNode::Parts::finish(double wall_s) {
+  player.stop();
+  recorder.take(pipeline, client.traffic());
+  auto faults = player.reader().faults();
+  if (unpublished > 0) faults["unpublished_poses"] = unpublished;
+  recorder.finish(pipeline, client.traffic(), wall_s, faults);
+  const CloudClient::Statistics statistics = client.statistics();
+  spdlog::info("{}: {} frames, {} keyframes, {} submaps sent, {} answers from {}",
+               id,
+               frames,
+               pipeline.keyframes(),
+               statistics.submaps_sent,
+               statistics.answers_received,
+               statistics.localizer.empty() ? "no localizer" : statistics.localizer);
+  for (const auto& [reason, count] : statistics.refused) {
+    spdlog::warn("{}: {} messages not used: {}", id, count, reason);
+  }
 }
 
 void RobotNode::run(const std::stop_token& stop) {
-  Parts& parts = *parts_;
   const auto begin = std::chrono::steady_clock::now();
-  spdlog::info("{}: playing {} frames", parts.id, parts.frame_count);
-  {
-    ProgressLine progress(parts.id);
-    while (auto played = parts.player.next(stop)) {
-      parts.take(std::move(*played));
-      progress.show(parts.frames, parts.frame_count);
-    }
+  const auto finish = [&] {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+    parts_->finish(wall.count());
+  };
+  spdlog::info("{}: playing {} frames", parts_->id, parts_->frame_count);
+  try {
+    parts_->play(stop);
+  } catch (...) {
+    finish();
+    throw;
   }
-  parts.recorder.take(parts.pipeline, parts.client.traffic());
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  parts.recorder.finish(
-      parts.pipeline, parts.client.traffic(), wall.count(), parts.player.reader().faults());
-  spdlog::info("{}: {} frames, {} keyframes, {} submaps sent, {} answers from {}",
-               parts.id,
-               parts.frames,
-               parts.pipeline.keyframes(),
-               parts.client.statistics().submaps_sent,
-               parts.client.statistics().answers_received,
-               parts.client.statistics().localizer.empty() ? "no localizer"
-                                                           : parts.client.statistics().localizer);
+  finish();
 }
 
 }  // namespace fleetloc

@@ -12,8 +12,6 @@ namespace {
 // More frames than this waiting for the IMU mean that it has stopped: the oldest are given up.
 constexpr std::size_t kMaxPending = 4;
 
-constexpr SessionNumber kSession{1};  // of a program's first start of the odometry
-
 }  // namespace
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -30,7 +28,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
-      fusion_(setup_.imu_noise, config.fusion) {}
+      fusion_(inflated(setup_.imu_noise, config.frame_estimator.noise), config.fusion) {}
 
 PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
   ++imu_samples_;
@@ -97,6 +95,7 @@ TrackedFrame RobotPipeline::tracked(Frame frame) {
 void RobotPipeline::initialize(const TrackedFrame& frame) {
   std::vector<ImuSample> since_previous;
   if (previous_frame_) since_previous = imu_.between(*previous_frame_, frame.stamp);
+  imu_.forget_before(frame.stamp);
   auto initialization = initializer_.add(frame, since_previous);
   if (!initialization) return;
   initialization_ = *initialization;
@@ -116,6 +115,7 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   back_end_.start(
       KeyframeInput{.id = KeyframeId{next_keyframe_++}, .frame = frame, .imu = std::move(imu)},
       frame.stamp);
+  frame_estimator_.keyframe_made(frame, result->estimate.state);
   back_end_busy_ = true;
   newest_keyframe_ = frame.stamp;
   return true;
@@ -140,7 +140,7 @@ void RobotPipeline::take_back_end(Timestamp now) {
 // The cloud will answer for this keyframe too, so fusion must know it.
 void RobotPipeline::fuse_first_window() {
   const WindowKeyframe& newest = window_->keyframes.back();
-  fusion_.reset(kSession);
+  fusion_.reset(setup_.session);
   fusion_.add_odometry({newest.stamp, newest.state, window_->covariance});
 }
 
@@ -163,8 +163,8 @@ void RobotPipeline::take_cloud(Timestamp now) {
 void RobotPipeline::start_session(Timestamp now) {
   RobotSession session;
   session.robot = setup_.id;
-  session.session = kSession;
-  session.start_stamp = *first_frame_;
+  session.session = setup_.session;
+  session.start_stamp = setup_.program_start;
   session.stereo = stereo_;
   if (setup_.T_map_body) session.start = start_pose(*setup_.T_map_body);
   localizer_->start_session(session, now);

@@ -33,6 +33,8 @@ struct RobotSetup {
   RobotId id;
   StereoCalibration calibration;
   ImuNoise imu_noise;
+  SessionNumber session{1};        ///< of the first start of the odometry; higher in later programs
+  Timestamp program_start{};       ///< a later one replaces what the cloud knows of the robot
   std::optional<Pose> T_map_body;  ///< at the first image
   bool align_once = false;         ///< a control: ignore every answer after the first applied one
 };

@@ -190,12 +190,12 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
     result.estimate.covariance =
         with_keyframe(local, newest.state, window_->covariance.topLeftCorner<6, 6>());
   }
-  const Eigen::Quaterniond& R_odom_body = result.estimate.state.T_odom_body.R;
-  result.wants_keyframe = wants_keyframe(frame, R_odom_body);
-  if (result.wants_keyframe) {
-    reference_ = {frame, R_odom_body};
-  }
+  result.wants_keyframe = wants_keyframe(frame, result.estimate.state.T_odom_body.R);
   return result;
+}
+
+void FrameEstimator::keyframe_made(const TrackedFrame& frame, const NavState& state) {
+  reference_ = {frame, state.T_odom_body.R};
 }
 
 bool FrameEstimator::wants_keyframe(const TrackedFrame& frame,

@@ -37,8 +37,12 @@ class FrameEstimator {
   void update(std::shared_ptr<const WindowEstimate> window);
 
   /// Nothing before the first window, for a frame before its newest keyframe, and where `imu` does
-  /// not reach from there to the frame. The caller makes a keyframe of a frame that is wanted.
+  /// not reach from there to the frame.
   std::optional<Result> estimate(const TrackedFrame& frame, const ImuBuffer& imu);
+
+  /// To be told of a frame that became a keyframe: from now on frames are compared with this one,
+  /// though the window does not know it yet.
+  void keyframe_made(const TrackedFrame& frame, const NavState& state);
 
  private:
   // What the next frames are compared with: the last frame that became a keyframe.

@@ -87,6 +87,10 @@ TEST_F(FrameEstimatorTest, WantsAKeyframeWhenTimeOrTracksRunOut) {
   }
   EXPECT_LE(to_seconds(run_.frame_stamp(wanted) - run_.frame_stamp(kNewest)),
             config_.frame_estimator.max_keyframe_interval_s + 1e-9);
+  // It is wanted again until it is made.
+  const auto again = estimator.estimate(run_.frame(wanted + 1), imu_);
+  EXPECT_TRUE(again->wants_keyframe);
+  estimator.keyframe_made(run_.frame(wanted), again->estimate.state);
   // That frame is what the next ones are compared with, though the window does not have it yet.
   EXPECT_FALSE(estimator.estimate(run_.frame(wanted + 1), imu_)->wants_keyframe);
   const auto lost = estimator.estimate({run_.frame_stamp(wanted + 4), {}}, imu_);
