@@ -26,14 +26,15 @@ AnswerMeasurement measurement_from(const Answer& answer,
   result.T_map_body = answer.T_map_body;
   result.T_odom_body = T_odom_body;
 
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(answer.covariance);
-  const Matrix6d root = eigen.eigenvectors() *
-                        eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                        eigen.eigenvectors().transpose();
+  const Matrix6d map_axes = adjoint({answer.T_map_body.R, Eigen::Vector3d::Zero()});
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(map_axes * answer.covariance *
+                                                      map_axes.transpose());
+  result.root_map = eigen.eigenvectors() *
+                    eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                    eigen.eigenvectors().transpose();
   result.covariance = answer.covariance + clone_covariance(noise);
   result.white = noise.white_share * answer.covariance + clone_covariance(noise);
-  const Pose body_axes{answer.T_map_body.R.conjugate(), Eigen::Vector3d::Zero()};
-  result.J_error = std::sqrt(1.0 - noise.white_share) * root * adjoint(body_axes);
+  result.J_error = std::sqrt(1.0 - noise.white_share) * map_axes.transpose() * result.root_map;
   result.J_alignment = adjoint(inverse(T_odom_body));
   return result;
 }

@@ -35,6 +35,7 @@ struct AnswerMeasurement {
   Matrix6d white;       ///< the part of it without memory
   Matrix6d J_alignment;
   Matrix6d J_error;
+  Matrix6d root_map;  ///< symmetric root of the answer's covariance, in map axes
 };
 
 /// Of one frame's T_odom_body.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "shared/geometry/so3.hpp"
 
@@ -83,23 +84,38 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
   update<2>(-tilt.value, H, R);
   map_hash_ = answer.map_hash;
   error_stamp_ = answer.stamp;
+  error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
   rivals_.clear();
   return true;
 }
 
-void MapAlignment::age_error(Timestamp stamp) {
-  const double dt = to_seconds(stamp - error_stamp_);
+// Of u, from the answer it belongs to on to a later one. The windows of both overlap; so of two
+// answers of unlike covariance the better one holds what the other holds, and more: their errors
+// share the smaller covariance (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
+// product of their deviations. Along the common eigenvectors of both that is the smaller
+// eigenvalue. Taken as one error of two sizes, it would be found by comparing the answers.
+Matrix6d MapAlignment::error_transition(const AnswerMeasurement& answer) const {
+  const double dt = to_seconds(answer.stamp - error_stamp_);
   assert(dt >= 0.0);
   const double faded = std::min(dt / config_.correlation_time_s,
                                 metres_since_error_ / config_.correlation_distance_m);
-  const double rho = std::exp(-faded);
-  error_ *= rho;
-  P_.rightCols<6>() *= rho;
-  P_.bottomRows<6>() *= rho;
-  P_.diagonal().tail<6>().array() += 1.0 - rho * rho;
-  error_stamp_ = stamp;
+  const Matrix6d J = error_root_.ldlt().solve(answer.root_map);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(J * J.transpose());
+  const Matrix6d shared = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(1.0).asDiagonal() *
+                          eigen.eigenvectors().transpose();
+  return std::exp(-faded) * answer.root_map.ldlt().solve(error_root_ * shared);
+}
+
+void MapAlignment::age_error(const AnswerMeasurement& answer) {
+  const Matrix6d F = error_transition(answer);
+  error_ = F * error_;
+  P_.rightCols<6>() *= F.transpose();
+  P_.bottomRows<6>() = F * P_.bottomRows<6>().eval();
+  P_.bottomRightCorner<6, 6>() += Matrix6d::Identity() - F * F.transpose();
+  error_stamp_ = answer.stamp;
+  error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
 }
 
@@ -125,13 +141,15 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   if (answer.map_hash != map_hash_) {
     return AnswerOutcome::kWrongMap;
   }
-  age_error(answer.stamp);
+  const MapAlignment before = *this;
+  age_error(answer);
   Eigen::Matrix<double, 6, 12> H;
   H << answer.J_alignment, answer.J_error;
   const Vector6d residual = local_coordinates(T_map_odom_ * answer.T_odom_body, answer.T_map_body) -
                             answer.J_error * error_;
   const Matrix6d S = H * P_ * H.transpose() + answer.white;
   if (chi_square(residual, S) > config_.gate_chi_square) {
+    *this = before;
     if (!rivals_.add(answer)) {
       return AnswerOutcome::kGated;
     }

@@ -60,7 +60,8 @@ class MapAlignment {
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
   bool initialize(const AnswerMeasurement& answer);
-  void age_error(Timestamp stamp);
+  [[nodiscard]] Matrix6d error_transition(const AnswerMeasurement& answer) const;
+  void age_error(const AnswerMeasurement& answer);
   template <int N>
   void update(const Eigen::Matrix<double, N, 1>& residual,
               const Eigen::Matrix<double, N, 12>& H,
@@ -69,7 +70,8 @@ class MapAlignment {
   Config config_;
   MapHash map_hash_{};
   std::optional<Timestamp> last_applied_;
-  Timestamp error_stamp_;  ///< of u
+  Timestamp error_stamp_;                       ///< of u
+  Matrix6d error_root_ = Matrix6d::Identity();  ///< of the answer that u belongs to, in map axes
   double metres_since_error_ = 0.0;
   Pose T_map_odom_;
   Vector6d error_ = Vector6d::Zero();  ///< u

@@ -149,5 +149,39 @@ TEST(FusionNees, WouldBeManyIfTheErrorsWereTakenForWhite) {
   EXPECT_GT(nees, 3.0);
 }
 
+// A robot at rest whose localizer has seen `answers` independent views; each answer is the mean of
+// all views so far, as the cloud's growing window makes it. Squared normalized error at the end.
+double squared_error_after_growing_window(unsigned seed, int answers) {
+  PoseFusion::Config config = fusion_config();
+  config.answers.map_tilt = 1.0;
+  FedFusion fed(config);
+  fed.drive.speed = 0.0;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const Vector6d sigma = 3.0 * answer_covariance().diagonal().cwiseSqrt();
+  Vector6d sum = Vector6d::Zero();
+  for (int n = 1; n <= answers; ++n) {
+    sum += sigma.cwiseProduct(Vector6d::NullaryExpr([&] { return normal(random); }));
+    fed.drive_to(n + 0.5);
+    Answer mean = answer(n, retract(fed.drive.pose(n), sum / n));
+    mean.covariance = Matrix6d(sigma.cwiseAbs2().asDiagonal()) / n;
+    EXPECT_TRUE(fed.fusion.add_answer(mean).applied) << "seed " << seed << ", answer " << n;
+  }
+  fed.drive_to(answers + 1.0);
+  const Vector6d error = local_coordinates(*fed.output.T_map_body, fed.drive.pose(answers + 1.0));
+  return error.dot(fed.output.covariance_map.llt().solve(error));
+}
+
+TEST(FusionNees, IsNotTooLargeWhenAnswersOfAGrowingWindowGetBetter) {
+  double sum = 0.0;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    sum += squared_error_after_growing_window(seed, 20);
+  }
+  const double nees = sum / (6.0 * kSeeds);
+  std::cout << "NEES per degree of freedom, growing window: " << nees << "\n";
+  EXPECT_GT(nees, 0.5);
+  EXPECT_LT(nees, 1.3);
+}
+
 }  // namespace
 }  // namespace fleetloc

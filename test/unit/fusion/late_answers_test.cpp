@@ -77,7 +77,7 @@ class Batch {
     for (Eigen::Index k = 0; k < n; ++k) {
       const Answer& now = arrivals[static_cast<std::size_t>(k)].answer;
       if (k > 0) {
-        add_evolution(arrivals[static_cast<std::size_t>(k - 1)].answer.stamp, now.stamp, k);
+        add_evolution(arrivals[static_cast<std::size_t>(k - 1)].answer, now, k);
       }
       add_answer(now, k);
     }
@@ -122,17 +122,32 @@ class Batch {
     }
     return sum;
   }
-  void add_evolution(Timestamp from, Timestamp to, Eigen::Index k) {
+  static Matrix6d covariance_map(const Answer& answer) {
+    const Matrix6d A = body_to_map_axes(answer.T_map_body);
+    return A * answer.covariance * A.transpose();
+  }
+  // What both answers share has the smaller of their covariances.
+  static Matrix6d error_transition(const Answer& from, const Answer& to) {
+    const Matrix6d before = covariance_map(from);
+    const Matrix6d after = covariance_map(to);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(after, before);
+    const Matrix6d W = eigen.eigenvectors().inverse();
+    const Matrix6d shared = W.transpose() * eigen.eigenvalues().cwiseMin(1.0).asDiagonal() * W;
+    return after.sqrt().inverse() * shared * before.sqrt().inverse();
+  }
+  void add_evolution(const Answer& from, const Answer& to, Eigen::Index k) {
     const Matrix6d I = Matrix6d::Identity();
-    add(drift(from, to), {{12 * (k - 1), -I}, {12 * k, I}}, Vector6d::Zero());
-    const double rho = std::exp(-to_seconds(to - from) / config_.answers.correlation_time_s);
-    add((1.0 - rho * rho) * I, {{12 * (k - 1) + 6, -rho * I}, {12 * k + 6, I}}, Vector6d::Zero());
+    add(drift(from.stamp, to.stamp), {{12 * (k - 1), -I}, {12 * k, I}}, Vector6d::Zero());
+    const double seconds = to_seconds(to.stamp - from.stamp);
+    const Matrix6d F =
+        std::exp(-seconds / config_.answers.correlation_time_s) * error_transition(from, to);
+    add(I - F * F.transpose(), {{12 * (k - 1) + 6, -F}, {12 * k + 6, I}}, Vector6d::Zero());
   }
   void add_answer(const Answer& now, Eigen::Index k) {
     const AnswerNoise& noise = config_.answers.noise;
     const Pose T_odom_body = CircularDrive{}.pose(to_seconds(now.stamp - Timestamp{}));
     const Matrix6d A = body_to_map_axes(now.T_map_body);
-    const Matrix6d root_map = (A * now.covariance * A.transpose()).sqrt();
+    const Matrix6d root_map = covariance_map(now).sqrt();
     const Matrix6d J_error = std::sqrt(1.0 - noise.white_share) * A.transpose() * root_map;
     add(noise.white_share * now.covariance + clone_covariance(noise),
         {{12 * k, adjoint(inverse(T_odom_body))}, {12 * k + 6, J_error}},
