@@ -91,6 +91,12 @@ void expect_refused(const std::string& program,
   expect_refused(program, arguments(options), culprit);
 }
 
+void expect_start_pose_checked(const std::string& program, const Options& good) {
+  for (const char* pose : {"", "1 2 3", "1 2 3 0 0 0 one", "1 2 3 0 0 0 0", "1 2 nan 0 0 0 1"}) {
+    expect_refused(program, with(good, "--initial-pose", pose), std::string("'") + pose + "'");
+  }
+}
+
 /// Files that are right, and files that are not.
 class CommandLine : public testing::Test {
  protected:
@@ -137,12 +143,6 @@ class CommandLine : public testing::Test {
                    with(good, "--config", file("wrong.yaml")),
                    file("wrong.yaml") + ":2: tracking.no_such_key");
     expect_refused(program, with(good, "--config", file("missing.yaml")), file("missing.yaml"));
-  }
-
-  void expect_start_pose_checked(const std::string& program, const Options& good) const {
-    for (const char* pose : {"", "1 2 3", "1 2 3 0 0 0 one", "1 2 3 0 0 0 0", "1 2 nan 0 0 0 1"}) {
-      expect_refused(program, with(good, "--initial-pose", pose), std::string("'") + pose + "'");
-    }
   }
 
   const ScratchFolder scratch_;

@@ -12,8 +12,8 @@
 namespace fleetloc {
 namespace {
 
-const Eigen::Vector3d kDisplacement_m{0.2, 0.2, 0.1};  // 0.3 m
-constexpr double kDisplacement_rad = 3.0 * std::numbers::pi / 180.0;
+const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
+constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
 Timestamp first_image(const std::filesystem::path& dataset) {
   const auto file = dataset / "mav0" / "cam0" / "data.csv";
@@ -40,8 +40,8 @@ std::string RecordedFlight::displaced_start_pose() const {
   constexpr std::chrono::milliseconds kMaxGap{100};
   const auto T_map_body = interpolate(read_trajectory(ground_truth), first_image(folder), kMaxGap);
   if (!T_map_body) throw std::runtime_error("no ground truth at the first image");
-  const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kDisplacement_rad});
-  return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement_m});
+  const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kYaw});
+  return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement});
 }
 
 RecordedFlight machine_hall() {
@@ -57,7 +57,7 @@ RecordedFlight vicon_room() {
 }
 
 std::filesystem::path built_map(const RecordedFlight& flight, const ScratchFolder& scratch) {
-  const auto map = scratch / "map.pcd";
+  auto map = scratch / "map.pcd";
   must_run(FLEETLOC_MAP,
            {"build",
             "--cloud",

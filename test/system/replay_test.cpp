@@ -25,7 +25,7 @@ class Replay : public testing::Test {
   std::filesystem::path replay(const std::string& name,
                                const std::filesystem::path& dataset,
                                const std::vector<std::string>& more = {}) {
-    const auto folder = scratch_ / name;
+    auto folder = scratch_ / name;
     std::vector<std::string> arguments{"--dataset", dataset.string(), "--out", folder.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(FLEETLOC_REPLAY, arguments);

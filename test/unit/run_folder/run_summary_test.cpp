@@ -12,7 +12,7 @@ namespace {
 using ::testing::DoubleNear;
 using Summary = RunFolderTest;
 
-constexpr double kNanosecond_s = 1e-9;
+constexpr double kNanosecond = 1e-9;  // [s]
 
 TEST_F(Summary, HasEveryKeyEvenOfARunWithoutFrames) {
   RunFolder(folder_).finish({});
@@ -95,9 +95,9 @@ TEST_F(Summary, CountsTimesFromTheFirstFrame) {
   run.finish({});
   const auto json = summary();
   EXPECT_EQ(json.at("frames"), 4);
-  EXPECT_THAT(json.at("duration_s").get<double>(), DoubleNear(4.0, kNanosecond_s));
-  EXPECT_THAT(json.at("first_pose_s").get<double>(), DoubleNear(1.5, kNanosecond_s));
-  EXPECT_THAT(json.at("first_localization_s").get<double>(), DoubleNear(3.0, kNanosecond_s));
+  EXPECT_THAT(json.at("duration_s").get<double>(), DoubleNear(4.0, kNanosecond));
+  EXPECT_THAT(json.at("first_pose_s").get<double>(), DoubleNear(1.5, kNanosecond));
+  EXPECT_THAT(json.at("first_localization_s").get<double>(), DoubleNear(3.0, kNanosecond));
 }
 
 TEST_F(Summary, CoversFramesThatAreLocalizedOrDeadReckonedForLessThanFiveSeconds) {
