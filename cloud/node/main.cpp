@@ -9,7 +9,6 @@
 
 int main(int argc, char** argv) {
   using namespace fleetloc;
-  const Termination termination;
   Program program("fleetloc-cloud",
                   "Localizes the submaps of robots in a laser map, until SIGINT or SIGTERM.",
                   "everything");
@@ -25,14 +24,15 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 256));
   app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
   return program.run(argc, argv, [&] {
+    auto termination = std::make_shared<Termination>();  // before any thread
     if (!is_valid_id(options.name)) {
       throw std::invalid_argument("--name: '" + options.name +
                                   "' is not 1 to 32 of A-Z a-z 0-9 _ -");
     }
     if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
     auto node = std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
-    return [node, stop = termination.token()] {
-      node->run(stop);
+    return [node, termination] {
+      node->run(termination->token());
       return static_cast<int>(kSuccess);
     };
   });

@@ -40,10 +40,8 @@ std::optional<Matrix6d> covariance(const DelimitedFile& file, const Columns& col
   if (std::ranges::any_of(columns, is_unknown)) return std::nullopt;
   Matrix6d matrix;
   std::size_t next = 0;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      matrix(row, column) = matrix(column, row) = file.number(columns[next++]);
-    }
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) matrix(i, j) = matrix(j, i) = file.number(columns[next++]);
   }
   return matrix;
 }

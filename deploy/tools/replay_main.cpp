@@ -61,7 +61,6 @@ ReplayConfig read_config(const ConfigReader& config, std::optional<int> window) 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Termination termination;
   cv::setNumThreads(1);  // the same bits in every run
   Program program("fleetloc-replay",
                   "Runs a recording through robot, link and cloud in one process and in simulated "
@@ -101,14 +100,15 @@ int main(int argc, char** argv) {
   app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
       ->check(CLI::IsMember({"up", "down", "both"}));
   return program.run(argc, argv, [&] {
+    auto termination = std::make_shared<Termination>();  // before any thread
     if (!map.empty()) options.map = map;
     if (limited->count() > 0) options.duration_s = duration;
     if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
     options.link = link_config(link);
     const auto config =
         read_config(program.config(), windowed->count() > 0 ? std::optional(window) : std::nullopt);
-    return [replay = prepared_replay(options, config), stop = termination.token()] {
-      replay(stop);
+    return [replay = prepared_replay(options, config), termination] {
+      replay(termination->token());
       return static_cast<int>(kSuccess);
     };
   });

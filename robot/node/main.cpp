@@ -23,7 +23,6 @@ RobotNodeConfig read_config(const ConfigReader& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Termination termination;
   cv::setNumThreads(1);  // the tracking is one thread's work, and the same in every run
   Program program("fleetloc-robot",
                   "Tracks a robot in a recording of stereo images and IMU, sends submaps to a "
@@ -53,6 +52,7 @@ int main(int argc, char** argv) {
   app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
   app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
   return program.run(argc, argv, [&] {
+    auto termination = std::make_shared<Termination>();  // before any thread
     if (!is_valid_id(options.id)) {
       throw std::invalid_argument("--robot-id: '" + options.id +
                                   "' is not 1 to 32 of A-Z a-z 0-9 _ -");
@@ -61,8 +61,8 @@ int main(int argc, char** argv) {
     if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
     if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
     auto node = std::make_shared<RobotNode>(options, read_config(program.config()));
-    return [node, stop = termination.token()] {
-      node->run(stop);
+    return [node, termination] {
+      node->run(termination->token());
       return static_cast<int>(kSuccess);
     };
   });

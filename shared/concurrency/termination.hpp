@@ -8,23 +8,19 @@
 
 namespace fleetloc {
 
-/// Turns SIGINT and SIGTERM into a stop request. To be made in main before any other thread, which
-/// then inherits the blocked signals.
+/// Turns SIGINT and SIGTERM into a stop request. To be made before any other thread, which then
+/// inherits the blocked signals. SIGUSR1 is taken as well, and only wakes the thread.
 class Termination {
  public:
   Termination() {
     sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    thread_ = std::jthread([this] {
-      int signal = 0;
-      sigwait(&signals_, &signal);
-      source_.request_stop();
-    });
+    thread_ = std::jthread([this](const std::stop_token& done) { watch(done); });
   }
   ~Termination() {
-    pthread_kill(thread_.native_handle(), SIGTERM);  // ends the wait; none arrives if it is over
+    thread_.request_stop();
+    pthread_kill(thread_.native_handle(), SIGUSR1);
   }
   Termination(const Termination&) = delete;
   Termination& operator=(const Termination&) = delete;
@@ -32,6 +28,14 @@ class Termination {
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
 
  private:
+  void watch(const std::stop_token& done) {
+    while (!done.stop_requested()) {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      if (signal != SIGUSR1) source_.request_stop();
+    }
+  }
+
   sigset_t signals_{};
   std::stop_source source_;
   std::jthread thread_;  // last: uses the others

@@ -30,6 +30,7 @@ class Program {
 
   /// @param config_name  of the defaults, see default_config()
   Program(std::string name, const std::string& description, std::string config_name = "everything");
+  ~Program() = default;
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
