@@ -8,32 +8,35 @@
 #include "shared/core/ids.hpp"
 
 int main(int argc, char** argv) {
-  using namespace fleetloc;
-  Program program("fleetloc-cloud",
-                  "Localizes the submaps of robots in a laser map, until SIGINT or SIGTERM.",
-                  "everything");
-  CloudNodeOptions options;
-  std::string link;
-  CLI::App& app = program.options();
-  app.add_option("--map", options.map, "laser map, made by fleetloc-map")->required();
-  app.add_option("--name", options.name, "1 to 32 of A-Z a-z 0-9 _ -")->required();
-  app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
-  app.add_option("--out", options.out, "folder for sessions.json, is created")->required();
-  app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
-  app.add_option("--workers", options.workers, "localizations at a time")
-      ->check(CLI::Range(1, 256));
-  app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
-  return program.run(argc, argv, [&] {
-    auto termination = std::make_shared<Termination>();  // before any thread
-    if (!is_valid_id(options.name)) {
-      throw std::invalid_argument("--name: '" + options.name +
-                                  "' is not 1 to 32 of A-Z a-z 0-9 _ -");
-    }
-    if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
-    auto node = std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
-    return [node, termination] {
-      node->run(termination->token());
-      return static_cast<int>(kSuccess);
-    };
+  return fleetloc::guarded([&] {
+    using namespace fleetloc;
+    Program program("fleetloc-cloud",
+                    "Localizes the submaps of robots in a laser map, until SIGINT or SIGTERM.",
+                    "everything");
+    CloudNodeOptions options;
+    std::string link;
+    CLI::App& app = program.options();
+    app.add_option("--map", options.map, "laser map, made by fleetloc-map")->required();
+    app.add_option("--name", options.name, "1 to 32 of A-Z a-z 0-9 _ -")->required();
+    app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
+    app.add_option("--out", options.out, "folder for sessions.json, is created")->required();
+    app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
+    app.add_option("--workers", options.workers, "localizations at a time")
+        ->check(CLI::Range(1, 256));
+    app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
+    return program.run(argc, argv, [&] {
+      auto termination = std::make_shared<Termination>();  // before any thread
+      if (!is_valid_id(options.name)) {
+        throw std::invalid_argument("--name: '" + options.name +
+                                    "' is not 1 to 32 of A-Z a-z 0-9 _ -");
+      }
+      if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
+      auto node =
+          std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
+      return [node, termination] {
+        node->run(termination->token());
+        return static_cast<int>(kSuccess);
+      };
+    });
   });
 }

@@ -116,27 +116,30 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Program program("fleetloc-eval", "Compares an estimate or a run with the ground truth.");
-  Options options;
-  add_options(program.options(), options);
-  return program.run(argc, argv, [&]() -> Program::Run {
-    if (options.pose_at_ns) {
-      return [=, truth = read_poses(options.truth)] { return print_start_pose(truth, options); };
-    }
-    if (options.estimate.empty() == options.run.empty()) {
-      throw std::invalid_argument("--estimate, --run or --pose-at-ns is required");
-    }
-    const auto config = read_evaluation_config(program.config().section("evaluation"));
-    const Trajectory truth = read_poses(options.truth);
-    if (options.run.empty()) {
-      const Trajectory estimate = read_poses(options.estimate);
-      const Alignment alignment = alignment_named(options.alignment);
-      return [=] { return print(evaluate(truth, estimate, alignment, config), options.json); };
-    }
-    if (!std::filesystem::is_directory(options.run)) {
-      throw std::invalid_argument(options.run + ": no such folder");
-    }
-    return
-        [=] { return write(evaluate_run(options.run, truth, config), options.run, options.json); };
+  return fleetloc::guarded([&] {
+    Program program("fleetloc-eval", "Compares an estimate or a run with the ground truth.");
+    Options options;
+    add_options(program.options(), options);
+    return program.run(argc, argv, [&]() -> Program::Run {
+      if (options.pose_at_ns) {
+        return [=, truth = read_poses(options.truth)] { return print_start_pose(truth, options); };
+      }
+      if (options.estimate.empty() == options.run.empty()) {
+        throw std::invalid_argument("--estimate, --run or --pose-at-ns is required");
+      }
+      const auto config = read_evaluation_config(program.config().section("evaluation"));
+      const Trajectory truth = read_poses(options.truth);
+      if (options.run.empty()) {
+        const Trajectory estimate = read_poses(options.estimate);
+        const Alignment alignment = alignment_named(options.alignment);
+        return [=] { return print(evaluate(truth, estimate, alignment, config), options.json); };
+      }
+      if (!std::filesystem::is_directory(options.run)) {
+        throw std::invalid_argument(options.run + ": no such folder");
+      }
+      return [=] {
+        return write(evaluate_run(options.run, truth, config), options.run, options.json);
+      };
+    });
   });
 }

@@ -63,25 +63,28 @@ Program::Run prepare_build(const BuildOptions& options, const MapConfig& config)
 }  // namespace
 
 int main(int argc, char** argv) {
-  Program program("fleetloc-map", "Makes a laser map of a point cloud, or shows what is in one.");
-  BuildOptions options;
-  std::string shown;
-  CLI::App& app = program.options();
-  app.require_subcommand(1);
-  CLI::App* build_command =
-      app.add_subcommand("build", "Make map.pcd and map.yaml of a point cloud")->fallthrough();
-  build_command->add_option("--cloud", options.cloud, "PLY or PCD file")->required();
-  build_command->add_option("--out", options.out, "map.pcd")->required();
-  build_command->add_option("--frame", options.frame, "name of the points' frame (map)");
-  CLI::App* info_command = app.add_subcommand("info", "Check a map and describe it")->fallthrough();
-  info_command->add_option("map", shown, "map.pcd")->required();
-  return program.run(argc, argv, [&]() -> Program::Run {
-    if (build_command->parsed()) {
-      return prepare_build(options, read_map_config(program.config().section("map")));
-    }
-    return [map = std::make_shared<const LaserMap>(load_map(shown))] {
-      print(*map);
-      return static_cast<int>(kSuccess);
-    };
+  return fleetloc::guarded([&] {
+    Program program("fleetloc-map", "Makes a laser map of a point cloud, or shows what is in one.");
+    BuildOptions options;
+    std::string shown;
+    CLI::App& app = program.options();
+    app.require_subcommand(1);
+    CLI::App* build_command =
+        app.add_subcommand("build", "Make map.pcd and map.yaml of a point cloud")->fallthrough();
+    build_command->add_option("--cloud", options.cloud, "PLY or PCD file")->required();
+    build_command->add_option("--out", options.out, "map.pcd")->required();
+    build_command->add_option("--frame", options.frame, "name of the points' frame (map)");
+    CLI::App* info_command =
+        app.add_subcommand("info", "Check a map and describe it")->fallthrough();
+    info_command->add_option("map", shown, "map.pcd")->required();
+    return program.run(argc, argv, [&]() -> Program::Run {
+      if (build_command->parsed()) {
+        return prepare_build(options, read_map_config(program.config().section("map")));
+      }
+      return [map = std::make_shared<const LaserMap>(load_map(shown))] {
+        print(*map);
+        return static_cast<int>(kSuccess);
+      };
+    });
   });
 }

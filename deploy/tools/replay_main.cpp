@@ -29,9 +29,9 @@ void apply(const LinkArguments& arguments, LinkDirection& direction) {
   direction.delay_s += arguments.latency_s;
   if (arguments.bandwidth_bytes_per_s > 0.0) {
     direction.rate_bytes_per_s = arguments.bandwidth_bytes_per_s;
-    constexpr double kQueue_s = 2.0;  // of the bottleneck
+    constexpr double kQueueSeconds = 2.0;  // of the bottleneck
     direction.queue_bytes = std::max<std::size_t>(
-        8000, static_cast<std::size_t>(kQueue_s * arguments.bandwidth_bytes_per_s));
+        8000, static_cast<std::size_t>(kQueueSeconds * arguments.bandwidth_bytes_per_s));
   }
 }
 
@@ -61,55 +61,58 @@ ReplayConfig read_config(const ConfigReader& config, std::optional<int> window) 
 }  // namespace
 
 int main(int argc, char** argv) {
-  cv::setNumThreads(1);  // the same bits in every run
-  Program program("fleetloc-replay",
-                  "Runs a recording through robot, link and cloud in one process and in simulated "
-                  "time. Without --map: odometry only.",
-                  "everything");
-  ReplayOptions options;
-  LinkArguments link;
-  std::string map;
-  std::string initial_pose;
-  std::string codec = "full";
-  double duration = 0.0;
-  int window = 0;
-  CLI::App& app = program.options();
-  app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
-  app.add_option("--out", options.out, "run folder, is created")->required();
-  app.add_option("--map", map, "laser map, made by fleetloc-map");
-  auto* start_pose =
-      app.add_option("--initial-pose",
-                     initial_pose,
-                     "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-  app.add_option("--start", options.start_s, "seconds of the recording to skip")
-      ->check(CLI::NonNegativeNumber);
-  auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
-                      ->check(CLI::PositiveNumber);
-  auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
-  auto* windowed = app.add_option("--window", window, "keyframes in the cloud's window")
-                       ->check(CLI::Range(2, 1000));
-  app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
-  app.add_flag("--align-once",
-               options.align_once,
-               "a control: fuse the first answer and dead-reckon after it");
-  app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
-  app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
-  app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
-  app.add_option("--bandwidth", link.bandwidth_bytes_per_s, "[bytes/s]; 0: unlimited")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
-      ->check(CLI::IsMember({"up", "down", "both"}));
-  return program.run(argc, argv, [&] {
-    auto termination = std::make_shared<Termination>();  // before any thread
-    if (!map.empty()) options.map = map;
-    if (limited->count() > 0) options.duration_s = duration;
-    if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
-    options.link = link_config(link);
-    const auto config =
-        read_config(program.config(), windowed->count() > 0 ? std::optional(window) : std::nullopt);
-    return [replay = prepared_replay(options, config), termination] {
-      replay(termination->token());
-      return static_cast<int>(kSuccess);
-    };
+  return fleetloc::guarded([&] {
+    cv::setNumThreads(1);  // the same bits in every run
+    Program program(
+        "fleetloc-replay",
+        "Runs a recording through robot, link and cloud in one process and in simulated "
+        "time. Without --map: odometry only.",
+        "everything");
+    ReplayOptions options;
+    LinkArguments link;
+    std::string map;
+    std::string initial_pose;
+    std::string codec = "full";
+    double duration = 0.0;
+    int window = 0;
+    CLI::App& app = program.options();
+    app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
+    app.add_option("--out", options.out, "run folder, is created")->required();
+    app.add_option("--map", map, "laser map, made by fleetloc-map");
+    auto* start_pose =
+        app.add_option("--initial-pose",
+                       initial_pose,
+                       "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+    app.add_option("--start", options.start_s, "seconds of the recording to skip")
+        ->check(CLI::NonNegativeNumber);
+    auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
+                        ->check(CLI::PositiveNumber);
+    auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
+    auto* windowed = app.add_option("--window", window, "keyframes in the cloud's window")
+                         ->check(CLI::Range(2, 1000));
+    app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
+    app.add_flag("--align-once",
+                 options.align_once,
+                 "a control: fuse the first answer and dead-reckon after it");
+    app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
+    app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
+    app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
+    app.add_option("--bandwidth", link.bandwidth_bytes_per_s, "[bytes/s]; 0: unlimited")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
+        ->check(CLI::IsMember({"up", "down", "both"}));
+    return program.run(argc, argv, [&] {
+      auto termination = std::make_shared<Termination>();  // before any thread
+      if (!map.empty()) options.map = map;
+      if (limited->count() > 0) options.duration_s = duration;
+      if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
+      options.link = link_config(link);
+      const auto config = read_config(program.config(),
+                                      windowed->count() > 0 ? std::optional(window) : std::nullopt);
+      return [replay = prepared_replay(options, config), termination] {
+        replay(termination->token());
+        return static_cast<int>(kSuccess);
+      };
+    });
   });
 }

@@ -23,47 +23,49 @@ RobotNodeConfig read_config(const ConfigReader& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  cv::setNumThreads(1);  // the tracking is one thread's work, and the same in every run
-  Program program("fleetloc-robot",
-                  "Tracks a robot in a recording of stereo images and IMU, sends submaps to a "
-                  "localizer, and fuses its answers into a pose at IMU rate.",
-                  "everything");
-  RobotNodeOptions options;
-  std::string initial_pose;
-  std::string link;
-  double duration = 0.0;
-  std::string codec = "full";
-  CLI::App& app = program.options();
-  app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
-  app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
-  app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
-  app.add_option("--out", options.out, "run folder, is created")->required();
-  app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
-  app.add_option("--rate", options.rate, "speed of the recording; 0: as fast as possible")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--start", options.start_s, "seconds of the recording to skip")
-      ->check(CLI::NonNegativeNumber);
-  auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
-                      ->check(CLI::PositiveNumber);
-  auto* start_pose =
-      app.add_option("--initial-pose",
-                     initial_pose,
-                     "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-  app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
-  app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
-  return program.run(argc, argv, [&] {
-    auto termination = std::make_shared<Termination>();  // before any thread
-    if (!is_valid_id(options.id)) {
-      throw std::invalid_argument("--robot-id: '" + options.id +
-                                  "' is not 1 to 32 of A-Z a-z 0-9 _ -");
-    }
-    if (limited->count() > 0) options.duration_s = duration;
-    if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
-    if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
-    auto node = std::make_shared<RobotNode>(options, read_config(program.config()));
-    return [node, termination] {
-      node->run(termination->token());
-      return static_cast<int>(kSuccess);
-    };
+  return fleetloc::guarded([&] {
+    cv::setNumThreads(1);  // the tracking is one thread's work, and the same in every run
+    Program program("fleetloc-robot",
+                    "Tracks a robot in a recording of stereo images and IMU, sends submaps to a "
+                    "localizer, and fuses its answers into a pose at IMU rate.",
+                    "everything");
+    RobotNodeOptions options;
+    std::string initial_pose;
+    std::string link;
+    double duration = 0.0;
+    std::string codec = "full";
+    CLI::App& app = program.options();
+    app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
+    app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
+    app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
+    app.add_option("--out", options.out, "run folder, is created")->required();
+    app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
+    app.add_option("--rate", options.rate, "speed of the recording; 0: as fast as possible")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--start", options.start_s, "seconds of the recording to skip")
+        ->check(CLI::NonNegativeNumber);
+    auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
+                        ->check(CLI::PositiveNumber);
+    auto* start_pose =
+        app.add_option("--initial-pose",
+                       initial_pose,
+                       "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+    app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
+    app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
+    return program.run(argc, argv, [&] {
+      auto termination = std::make_shared<Termination>();  // before any thread
+      if (!is_valid_id(options.id)) {
+        throw std::invalid_argument("--robot-id: '" + options.id +
+                                    "' is not 1 to 32 of A-Z a-z 0-9 _ -");
+      }
+      if (limited->count() > 0) options.duration_s = duration;
+      if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
+      if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
+      auto node = std::make_shared<RobotNode>(options, read_config(program.config()));
+      return [node, termination] {
+        node->run(termination->token());
+        return static_cast<int>(kSuccess);
+      };
+    });
   });
 }

@@ -52,7 +52,10 @@ class KeyframeWorker {
 /// Runs a KeyframeWorker beside the tracking, one job at a time.
 class BackEnd {
  public:
+  BackEnd() = default;
   virtual ~BackEnd() = default;
+  BackEnd(const BackEnd&) = delete;
+  BackEnd& operator=(const BackEnd&) = delete;
 
   /// Not while the result of an earlier job has not been taken.
   virtual void start(KeyframeJob job, Timestamp now) = 0;

@@ -167,8 +167,8 @@ void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
 }
 
 double SubmapBuilder::tilt_sigma(const SubmapInputKeyframe& keyframe) const {
-  if (!config_.use_tilt || !std::isfinite(keyframe.tilt_sigma)) return kUnknownTilt_rad;
-  return std::clamp(keyframe.tilt_sigma, config_.tilt_floor_rad, kUnknownTilt_rad);
+  if (!config_.use_tilt || !std::isfinite(keyframe.tilt_sigma)) return kUnknownTiltRad;
+  return std::clamp(keyframe.tilt_sigma, config_.tilt_floor_rad, kUnknownTiltRad);
 }
 
 void SubmapBuilder::forget_before(KeyframeId oldest) {

@@ -90,7 +90,7 @@ class SubmapBuilder {
 };
 
 /// Half a turn: the tilt_sigma of a keyframe whose tilt is not measured.
-inline constexpr double kUnknownTilt_rad = 3.14159;
+inline constexpr double kUnknownTiltRad = 3.14159;
 
 SubmapBuilder::Config read_submap_builder_config(ConfigReader section);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdio>
+#include <exception>
 #include <functional>
 #include <string>
 
@@ -11,6 +13,19 @@ namespace fleetloc {
 
 /// What main() returns.
 enum ExitCode : int { kSuccess = 0, kFailedAtRunTime = 1, kCannotStart = 2 };
+
+/// For main(), so that nothing escapes it: what `body` returns, or 2 with its error on stderr.
+template <typename Body>
+int guarded(const Body& body) noexcept {
+  try {
+    return body();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  } catch (...) {
+    std::fputs("unknown error\n", stderr);
+  }
+  return kCannotStart;
+}
 
 /// What all programs have in common: --help, --version, --config FILE and --print-config; unknown
 /// options are errors, and whatever goes wrong is one line on stderr and an exit code.

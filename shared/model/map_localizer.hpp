@@ -14,7 +14,10 @@ namespace fleetloc {
 /// order or never. Time is passed in, so that every run can be replayed.
 class MapLocalizer {
  public:
+  MapLocalizer() = default;
   virtual ~MapLocalizer() = default;
+  MapLocalizer(const MapLocalizer&) = delete;
+  MapLocalizer& operator=(const MapLocalizer&) = delete;
 
   /// Ends the session before it; submaps of a session count only after this.
   virtual void start_session(const RobotSession& session, Timestamp now) = 0;

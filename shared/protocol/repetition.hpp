@@ -13,9 +13,9 @@ class ConfigReader;
 class Repetition {
  public:
   struct Config {
-    double slowest_interval_s;  ///< without loss
-    double fastest_interval_s;  ///< at `full_rate_loss` and above
-    double full_rate_loss;      ///< share of lost datagrams
+    double slowest_interval_s{};  ///< without loss
+    double fastest_interval_s{};  ///< at `full_rate_loss` and above
+    double full_rate_loss{};      ///< share of lost datagrams
   };
   explicit Repetition(const Config& config) : config_(config) {}
 

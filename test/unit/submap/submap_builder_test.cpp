@@ -194,11 +194,11 @@ TEST(SubmapBuilder, TiltHasAFloorAndCanBeSwitchedOff) {
   input.keyframes[1].tilt_sigma = std::numeric_limits<double>::quiet_NaN();
   const Submap measured = SubmapBuilder(config).build(input);
   EXPECT_NEAR(measured.keyframes[0].tilt_sigma, 0.2 * std::numbers::pi / 180.0, 1e-12);
-  EXPECT_EQ(measured.keyframes[1].tilt_sigma, kUnknownTilt_rad);
+  EXPECT_EQ(measured.keyframes[1].tilt_sigma, kUnknownTiltRad);
   EXPECT_EQ(measured.keyframes[2].tilt_sigma, 0.01);
   config.use_tilt = false;
   const Submap off = SubmapBuilder(config).build(input);
-  EXPECT_EQ(off.keyframes[0].tilt_sigma, kUnknownTilt_rad);
+  EXPECT_EQ(off.keyframes[0].tilt_sigma, kUnknownTiltRad);
 }
 
 }  // namespace
