@@ -5,13 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/test_folder.hpp"
+
 namespace fleetloc {
 namespace {
 
 using ::testing::HasSubstr;
 
 DelimitedFile file_with(const std::string& content, char separator) {
-  const std::string file = ::testing::TempDir() + "fleetloc_delimited_file.txt";
+  const std::string file = (test_folder() / "fleetloc_delimited_file.txt").string();
   std::ofstream(file) << content;
   return DelimitedFile(file, separator);
 }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/config/progress_line.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -87,14 +88,14 @@ TEST(Program, FailsIfRunningThrows) {
 }
 
 TEST(Program, OverlaysTheConfigurationThatItPrints) {
-  const std::string file = ::testing::TempDir() + "fleetloc_program_test.yaml";
+  const std::string file = (test_folder() / "fleetloc_program_test.yaml").string();
   std::ofstream(file) << "map: {resolution_m: 0.25}\n";
   const Outcome outcome = run({"--print-config", "--config", file.c_str()});
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("resolution_m: 0.25"), HasSubstr("min_neighbours")));
 }
 
 TEST(Program, NamesAKeyThatDoesNotExist) {
-  const std::string file = ::testing::TempDir() + "fleetloc_program_test.yaml";
+  const std::string file = (test_folder() / "fleetloc_program_test.yaml").string();
   std::ofstream(file) << "map:\n  resolution: 0.25\n";
   const Outcome outcome = run({"--print-config", "--config", file.c_str()});
   EXPECT_EQ(outcome.exit_code, kCannotStart);

@@ -12,6 +12,7 @@
 
 #include "shared/dataset/dataset_writer.hpp"
 #include "shared/geometry/so3.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -136,7 +137,7 @@ class Dataset : public ::testing::Test {
   }
 
   const std::filesystem::path folder_ =
-      std::filesystem::path(::testing::TempDir()) / "fleetloc_dataset" /
+      test_folder() / "fleetloc_dataset" /
       ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::map<std::string, std::uint64_t> faults_;
 };

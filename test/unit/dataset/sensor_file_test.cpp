@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/dataset/dataset_error.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -36,7 +37,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 CameraFile read(const std::string& text) {
-  const std::string file = ::testing::TempDir() + "fleetloc_sensor.yaml";
+  const std::string file = (test_folder() / "fleetloc_sensor.yaml").string();
   std::ofstream(file) << text;
   return read_camera_file(file);
 }

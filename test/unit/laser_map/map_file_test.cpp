@@ -10,6 +10,7 @@
 
 #include "cloud/laser_map/map_hash.hpp"
 #include "shared/pointcloud/point_cloud_file.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -58,7 +59,7 @@ class MapFile : public ::testing::Test {
   }
 
   const std::filesystem::path folder_ =
-      std::filesystem::path(::testing::TempDir()) / "fleetloc_laser_map" /
+      test_folder() / "fleetloc_laser_map" /
       ::testing::UnitTest::GetInstance()->current_test_info()->name();
   const std::filesystem::path pcd_ = folder_ / "map.pcd";
   const std::filesystem::path yaml_ = folder_ / "map.yaml";

@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/test_folder.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -16,8 +18,7 @@ using ::testing::HasSubstr;
 
 std::filesystem::path file_named(const std::string& name) {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const auto folder =
-      std::filesystem::path(::testing::TempDir()) / "fleetloc_pointcloud" / test->name();
+  const auto folder = test_folder() / "fleetloc_pointcloud" / test->name();
   std::filesystem::create_directories(folder);
   return folder / name;
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/run_folder/run_folder.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 
@@ -78,7 +79,7 @@ class RunFolderTest : public testing::Test {
   }
 
   const std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) /
+      test_folder() /
       ("fleetloc_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
 };
 

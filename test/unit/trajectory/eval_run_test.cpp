@@ -14,6 +14,7 @@
 #include "shared/config/delimited_file.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -106,7 +107,7 @@ class EvaluateRun : public ::testing::Test {
   }
 
   const std::filesystem::path folder_ =
-      std::filesystem::path(::testing::TempDir()) / "fleetloc_evaluate_run" /
+      test_folder() / "fleetloc_evaluate_run" /
       ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::mt19937 random_{11};
   std::normal_distribution<double> normal_;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/geometry/so3.hpp"
+#include "test/test_folder.hpp"
 
 namespace fleetloc {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::filesystem::path file_with(const std::string& name, const std::string& content) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "fleetloc_trajectory";
+  const auto folder = test_folder() / "fleetloc_trajectory";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name) << content;
   return folder / name;
