@@ -46,17 +46,6 @@ std::string triangle_header(const char* prefix) {
   return header;
 }
 
-std::string stamp_text(Timestamp stamp) {
-  const auto ns = stamp.time_since_epoch().count();
-  char text[64];
-  std::snprintf(text,
-                sizeof text,
-                "%lld.%09lld",
-                static_cast<long long>(ns / 1'000'000'000),
-                static_cast<long long>(ns % 1'000'000'000));
-  return text;
-}
-
 std::string diagnostics_line(const FrameRecord& frame) {
   const PoseEstimate& pose = frame.pose;
   std::string line = stamp_text(pose.stamp) + "," + std::string(name(pose.quality));

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "shared/config/delimited_file.hpp"
+#include "shared/geometry/pose_text.hpp"
 
 namespace fleetloc {
 namespace {
@@ -40,23 +41,20 @@ StampedPose euroc_pose(const DelimitedFile& file) {
 
 }  // namespace
 
-void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T) {
+std::string stamp_text(Timestamp stamp) {
   constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
   const std::int64_t ns = stamp.time_since_epoch().count();
-  std::array<char, 512> line{};
-  const int length = std::snprintf(line.data(),
-                                   line.size(),
-                                   "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                                   static_cast<long long>(ns / kNanosecondsPerSecond),
-                                   static_cast<long long>(ns % kNanosecondsPerSecond),
-                                   T.p.x(),
-                                   T.p.y(),
-                                   T.p.z(),
-                                   T.R.x(),
-                                   T.R.y(),
-                                   T.R.z(),
-                                   T.R.w());
-  stream.write(line.data(), length);
+  std::array<char, 64> text{};
+  std::snprintf(text.data(),
+                text.size(),
+                "%lld.%09lld",
+                static_cast<long long>(ns / kNanosecondsPerSecond),
+                static_cast<long long>(ns % kNanosecondsPerSecond));
+  return text.data();
+}
+
+void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T) {
+  stream << stamp_text(stamp) << ' ' << pose_text(T) << '\n';
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <ostream>
 #include <stdexcept>
+#include <string>
 
 #include "shared/trajectory/trajectory.hpp"
 
@@ -13,6 +14,9 @@ class TrajectoryFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// Seconds with nine decimals, exact.
+std::string stamp_text(Timestamp stamp);
 
 /// Writes `stamp_s tx ty tz qx qy qz qw` with 9 decimals and a line end; the stamp is exact.
 void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T_ref_body);
