@@ -34,7 +34,7 @@ PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
   ++imu_samples_;
   if (!imu_.add(sample)) ++refused_imu_samples_;
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
-  const PoseEstimate pose = fusion_.add_imu(sample);
+  PoseEstimate pose = fusion_.add_imu(sample);
   if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
   process_pending();
   return pose;

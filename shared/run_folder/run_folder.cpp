@@ -1,5 +1,6 @@
 #include "shared/run_folder/run_folder.hpp"
 
+#include <array>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
@@ -14,7 +15,8 @@ namespace fleetloc {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kCoveredFor_s = 5.0;  // dead reckoning for less than this still counts as covered
+constexpr double kCoveredForSeconds =
+    5.0;  // dead reckoning for less than this still counts as covered
 
 std::ofstream opened(const std::filesystem::path& file) {
   std::ofstream stream(file);
@@ -23,9 +25,9 @@ std::ofstream opened(const std::filesystem::path& file) {
 }
 
 void append(std::string& line, const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  line += text;
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  line += text.data();
 }
 
 void append_upper_triangle(std::string& line, const Matrix6d& covariance, bool known) {
@@ -96,9 +98,9 @@ void RunFolder::add_frame(const FrameRecord& frame) {
 
 void RunFolder::count_coverage(const PoseEstimate& pose) {
   ++frames_since_first_pose_;
-  const bool covered =
-      pose.quality == Quality::kLocalized || (pose.quality == Quality::kDeadReckoning &&
-                                              to_seconds(pose.since_last_answer) < kCoveredFor_s);
+  const bool covered = pose.quality == Quality::kLocalized ||
+                       (pose.quality == Quality::kDeadReckoning &&
+                        to_seconds(pose.since_last_answer) < kCoveredForSeconds);
   if (covered) ++covered_frames_;
 }
 
