@@ -39,6 +39,10 @@ class CloudClient final : public MapLocalizer {
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
   [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
+  [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  void update_start(const StartPose& start) override {
+    if (session_) session_->start = start;
+  }
 
   [[nodiscard]] Statistics statistics() const;
   /// What the network has moved so far.

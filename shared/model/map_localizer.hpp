@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "shared/core/time.hpp"
 #include "shared/model/answer.hpp"
+#include "shared/model/correction.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
 
@@ -26,6 +28,12 @@ class MapLocalizer {
 
   /// What has arrived until `now`, oldest first; each answer is returned once.
   [[nodiscard]] virtual std::vector<Answer> take_answers(Timestamp now) = 0;
+
+  /// The newest correction of the session that had arrived when answers were last taken, once.
+  [[nodiscard]] virtual std::optional<Correction> take_correction() = 0;
+
+  /// The session's start pose, as it is known now: what another localizer would begin with.
+  virtual void update_start(const StartPose& start) = 0;
 };
 
 }  // namespace fleetloc
