@@ -54,6 +54,7 @@ RunCovariances read_covariances(const std::filesystem::path& path) {
   if (!file.next()) throw TextFileError(path.string() + ": has no header");
   const std::size_t columns = file.columns();
   const std::size_t stamp_column = column_named(file, "stamp_s");
+  const std::size_t state_column = column_named(file, "state");
   const Columns map = columns_of(file, "cm");
   const Columns odom = columns_of(file, "co");
   std::optional<Timestamp> before;
@@ -62,6 +63,7 @@ RunCovariances read_covariances(const std::filesystem::path& path) {
     const Timestamp stamp = file.seconds(stamp_column);
     if (before && stamp <= *before) file.fail("the stamp is not later than the one before");
     before = stamp;
+    if (file.text(state_column) == "localized") covariances.localized.push_back(stamp);
     if (const auto C = covariance(file, map)) covariances.map.push_back({stamp, *C});
     if (const auto C = covariance(file, odom)) covariances.odom.push_back({stamp, *C});
   }

@@ -17,10 +17,11 @@ struct StampedCovariance {
 struct RunCovariances {
   std::vector<StampedCovariance> map;   ///< of T_map_body
   std::vector<StampedCovariance> odom;  ///< of T_odom_body
+  std::vector<Timestamp> localized;     ///< frames whose state is `localized`
 };
 
-/// Reads the columns `stamp_s`, `cm11..cm66` and `co11..co66` of diagnostics.csv, wherever they
-/// are. A frame without a pose has `nan` or nothing there. Throws TextFileError.
+/// Reads the columns `stamp_s`, `state`, `cm11..cm66` and `co11..co66` of diagnostics.csv, wherever
+/// they are. A frame without a pose has `nan` or nothing there. Throws TextFileError.
 RunCovariances read_covariances(const std::filesystem::path& path);
 
 }  // namespace fleetloc

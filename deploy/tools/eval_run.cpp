@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "deploy/tools/eval_confidence.hpp"
 #include "deploy/tools/eval_diagnostics.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
@@ -90,6 +91,7 @@ nlohmann::json evaluate_run(const std::filesystem::path& run,
       {"rotation_deg", errors_or_null(map, {}, &TrajectoryError::rotation_deg)},
       {"odometry_ate", errors_or_null(odom, T_truth_odom, &TrajectoryError::translation_m)},
       {"odometry_rotation_deg", errors_or_null(odom, T_truth_odom, &TrajectoryError::rotation_deg)},
+      {"confidence", confidence(map, covariances)},
       {"coverage", read_coverage(run / "summary.json")},
       {"nees",
        {{"map", mean_nees(map, {}, covariances.map)},

@@ -32,6 +32,7 @@ nlohmann::json evaluate(const Trajectory& truth,
 ///
 /// - `ate`, `rotation_deg`: of localization_frames.tum as it is
 /// - `odometry_ate`, `odometry_rotation_deg`: of odometry.tum, aligned in SE(3)
+/// - `confidence`: see eval_confidence.hpp
 /// - `coverage`: of summary.json
 /// - `nees` {map, odom}: means over the frames of diagnostics.csv, per degree of freedom; for odom
 ///   position and heading are aligned at its first pose

@@ -82,6 +82,11 @@ void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
 }
 
 void RunFolder::add_frame(const FrameRecord& frame) {
+  record_frame(frame);
+  flush();
+}
+
+void RunFolder::record_frame(const FrameRecord& frame) {
   const PoseEstimate& pose = frame.pose;
   ++counted_.frames;
   if (!first_frame_) first_frame_ = pose.stamp;
@@ -94,6 +99,14 @@ void RunFolder::add_frame(const FrameRecord& frame) {
   if (!pose.T_map_body) return;
   if (!first_localization_) first_localization_ = pose.stamp;
   write_tum_line(localization_frames_, pose.stamp, *pose.T_map_body);
+}
+
+// Whole lines, for who watches the run, and for what is left of one that is killed.
+void RunFolder::flush() {
+  for (std::ofstream* stream :
+       {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {
+    stream->flush();
+  }
 }
 
 void RunFolder::count_coverage(const PoseEstimate& pose) {

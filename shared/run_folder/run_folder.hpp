@@ -86,7 +86,9 @@ class RunFolder {
   void finish(RunSummary summary);
 
  private:
+  void record_frame(const FrameRecord& frame);
   void count_coverage(const PoseEstimate& pose);
+  void flush();
 
   std::filesystem::path folder_;
   std::ofstream odometry_;

@@ -1,8 +1,10 @@
 #include "deploy/tools/eval_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -101,6 +103,32 @@ class EvaluateRun : public ::testing::Test {
     return error;
   }
 
+  void displace_localization(const std::set<int>& frames, double metres) const {
+    const auto file = folder_ / "localization_frames.tum";
+    const Trajectory poses = read_trajectory(file);
+    std::ofstream stream(file);
+    for (const StampedPose& pose : poses) {
+      const bool is_displaced =
+          std::ranges::any_of(frames, [&pose](int frame) { return at(frame) == pose.stamp; });
+      const Eigen::Vector3d shift = (is_displaced ? metres : 0.0) * Eigen::Vector3d::UnitX();
+      write_tum_line(stream, pose.stamp, {.R = pose.T_ref_body.R, .p = pose.T_ref_body.p + shift});
+    }
+  }
+
+  void replace_in_diagnostics(int frame, const std::string& text, const std::string& by) const {
+    const auto file = folder_ / "diagnostics.csv";
+    std::stringstream content;
+    content << std::ifstream(file).rdbuf();
+    std::ofstream stream(file);
+    for (std::string line; std::getline(content, line);) {
+      const auto place = line.find(text);
+      if (line.starts_with(stamp_text(frame)) && place != std::string::npos) {
+        line.replace(place, text.size(), by);
+      }
+      stream << line << '\n';
+    }
+  }
+
   static EvaluationConfig config() {
     return read_evaluation_config(
         ConfigReader::from_string(default_config("eval")).section("evaluation"));
@@ -127,6 +155,30 @@ TEST_F(EvaluateRun, FindsNeesNearOneForAnHonestCovarianceAndFourForHalfTheSigmas
   const auto evaluation = evaluate_run(folder_, truth(), config());
   EXPECT_NEAR(evaluation["nees"]["map"].get<double>(), 1.0, 0.05);
   EXPECT_NEAR(evaluation["nees"]["odom"].get<double>(), 4.0, 0.2);
+}
+
+TEST_F(EvaluateRun, CountsFramesThatAreWrongAndSureOfIt) {
+  const auto before = evaluate_run(folder_, truth(), config())["confidence"];
+  EXPECT_EQ(before["localized_frames"], kFrames - 100);
+  EXPECT_LT(before["worst_m"].get<double>(), 6.0 * sigmas().tail<3>().norm());
+  EXPECT_EQ(before["confidently_wrong"], 0);
+
+  displace_localization({200, 201}, 2.0);
+  const auto after = evaluate_run(folder_, truth(), config())["confidence"];
+  EXPECT_NEAR(after["worst_m"].get<double>(), 2.0, 0.3);
+  EXPECT_EQ(after["confidently_wrong"], 2);
+}
+
+TEST_F(EvaluateRun, DoesNotCallAnErrorConfidentThatTheCovarianceStates) {
+  displace_localization({200, 201}, 2.0);
+  const auto all = evaluate_run(folder_, truth(), config())["confidence"];
+  ASSERT_EQ(all["confidently_wrong"], 2);
+  replace_in_diagnostics(
+      200, triangle(sigmas().cwiseAbs2().asDiagonal()), triangle(Matrix6d::Identity()));
+  replace_in_diagnostics(201, ",localized,", ",dead_reckoning,");
+  const auto rest = evaluate_run(folder_, truth(), config())["confidence"];
+  EXPECT_EQ(rest["confidently_wrong"], 0);
+  EXPECT_EQ(rest["localized_frames"], kFrames - 101);
 }
 
 TEST_F(EvaluateRun, HasNoMapErrorsForARunThatWasNeverLocalized) {
