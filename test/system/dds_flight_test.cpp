@@ -7,8 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "test/system/loopback_network.hpp"
-#include "test/system/recorded_flight.hpp"
+#include "test/system/dds_fixture.hpp"
 
 namespace fleetloc {
 namespace {
@@ -16,67 +15,30 @@ namespace {
 using ::testing::Ge;
 using ::testing::Gt;
 using ::testing::Le;
-using Arguments = std::vector<std::string>;
 
 constexpr std::chrono::seconds kPatience{120};  // only a broken program takes that long
+constexpr const char* kRobot = "robot_1";
+constexpr const char* kLocalizer = "localizer_1";
 
-class DdsFlight : public testing::Test {
+class DdsFlight : public DdsFixture {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::is_directory(recordings())) {
-      GTEST_SKIP() << "there are no recordings in " << recordings();
-    }
-  }
-
-  [[nodiscard]] Arguments robot(const std::string& qos, const Arguments& more) const {
-    Arguments arguments{"--robot-id",
-                        "robot_1",
-                        "--dataset",
-                        vicon_room().folder.string(),
-                        "--qos",
-                        qos,
-                        "--domain",
-                        network_.domain(),
-                        "--initial-pose",
-                        vicon_room().displaced_start_pose(),
-                        "--out",
-                        run_folder_.string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
-  }
-
-  [[nodiscard]] Arguments cloud(const std::string& qos) const {
-    return {"--name",
-            "localizer_1",
-            "--map",
-            built_map(vicon_room(), scratch_).string(),
-            "--qos",
-            qos,
-            "--domain",
-            network_.domain(),
-            "--out",
-            (scratch_ / "localizer_1").string()};
-  }
-
   /// Plays to a robot and a localizer, which must end well; sessions.json of the robot.
-  nlohmann::json fly(const std::string& qos, const Arguments& more) {
-    ChildProgram localizer(FLEETLOC_CLOUD, cloud(qos));
-    const Outcome flown = run(FLEETLOC_ROBOT, robot(qos, more));
+  nlohmann::json fly(const Arguments& more) {
+    ChildProgram localizer(FLEETLOC_CLOUD, cloud(kLocalizer));
+    const Outcome flown = run(FLEETLOC_ROBOT, robot(kRobot, more));
     EXPECT_EQ(flown.exit_code, 0) << flown.errors;
     localizer.signal(SIGTERM);
     const Outcome stopped = localizer.wait();
     EXPECT_EQ(stopped.exit_code, 0) << stopped.errors;
-    return parsed_json(scratch_ / "localizer_1" / "sessions.json").at("robot_1");
+    return parsed_json(folder_of(kLocalizer) / "sessions.json").at(kRobot);
   }
 
-  const ScratchFolder scratch_;
-  const LoopbackNetwork network_;
-  const std::filesystem::path run_folder_ = scratch_ / "robot_1";
+  const std::filesystem::path run_folder_ = folder_of(kRobot);
 };
 
 TEST_F(DdsFlight, IsLocalizedInTheLaserMapInRealTime) {
   if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
-  const auto session = fly(network_.qos(), {"--rate", "1"});
+  const auto session = fly({"--rate", "1"});
   const auto errors = run_errors(run_folder_, vicon_room());
   std::cout << errors.dump() << '\n' << session.dump() << '\n';
   EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(0.03));
@@ -90,15 +52,14 @@ TEST_F(DdsFlight, IsLocalizedInTheLaserMapInRealTime) {
 
 TEST_F(DdsFlight, FindsItsLocalizerThroughTheProfilesThatShip) {
   if (!has_multicast_interface()) GTEST_SKIP() << "no network interface with multicast";
-  const auto session =
-      fly(FLEETLOC_SOURCE_DIR "/qos_profiles/lan.xml", {"--rate", "1", "--duration", "8"});
+  qos_ = FLEETLOC_SOURCE_DIR "/qos_profiles/lan.xml";
+  const auto session = fly({"--rate", "1", "--duration", "8"});
   EXPECT_THAT(session.at("submaps").get<int>(), Gt(0));
   EXPECT_THAT(parsed_json(run_folder_ / "summary.json").at("answers_received").get<int>(), Gt(0));
 }
 
 TEST_F(DdsFlight, GivesOdometryWithoutALocalizer) {
-  const Outcome outcome =
-      run(FLEETLOC_ROBOT, robot(network_.qos(), {"--rate", "0", "--duration", "6"}));
+  const Outcome outcome = run(FLEETLOC_ROBOT, robot(kRobot, {"--rate", "0", "--duration", "6"}));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_THAT(share_of_frames(run_folder_, "odometry.tum"), Ge(0.5));
   EXPECT_EQ(content_of(run_folder_ / "localization.tum"), "");
@@ -109,7 +70,7 @@ TEST_F(DdsFlight, GivesOdometryWithoutALocalizer) {
 }
 
 TEST_F(DdsFlight, WritesItsResultsWhenInterrupted) {
-  ChildProgram robot_1(FLEETLOC_ROBOT, robot(network_.qos(), {"--rate", "1"}));
+  ChildProgram robot_1(FLEETLOC_ROBOT, robot(kRobot, {"--rate", "1"}));
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
   const auto odometry = run_folder_ / "odometry.tum";
   std::error_code absent;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "shared/geometry/pose_text.hpp"
@@ -15,11 +16,16 @@ namespace {
 const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
 constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
-Timestamp first_image(const std::filesystem::path& dataset) {
+Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
   const auto file = dataset / "mav0" / "cam0" / "data.csv";
   std::ifstream stream(file);
+  const auto skipped = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(start_s));
+  std::optional<Timestamp> first;
   for (std::string line; std::getline(stream, line);) {
-    if (!line.empty() && line.front() != '#') return Timestamp(Duration(std::stoll(line)));
+    if (line.empty() || line.front() == '#') continue;
+    const Timestamp stamp{Duration(std::stoll(line))};
+    if (!first) first = stamp;
+    if (stamp >= *first + skipped) return stamp;
   }
   throw std::runtime_error(file.string() + ": no images");
 }
@@ -36,9 +42,10 @@ std::filesystem::path recordings() {
   return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 
-std::string RecordedFlight::displaced_start_pose() const {
+std::string RecordedFlight::displaced_start_pose(double start_s) const {
   constexpr std::chrono::milliseconds kMaxGap{100};
-  const auto T_map_body = interpolate(read_trajectory(ground_truth), first_image(folder), kMaxGap);
+  const auto T_map_body =
+      interpolate(read_trajectory(ground_truth), first_image(folder, start_s), kMaxGap);
   if (!T_map_body) throw std::runtime_error("no ground truth at the first image");
   const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kYaw});
   return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement});

@@ -25,9 +25,9 @@ struct RecordedFlight {
   std::filesystem::path folder;
   std::filesystem::path ground_truth;
 
-  /// For --initial-pose: the ground truth at the first image, displaced in the map by 0.3 m and 3
-  /// degrees of yaw.
-  [[nodiscard]] std::string displaced_start_pose() const;
+  /// For --initial-pose: the ground truth at the first image from `start_s` on, displaced in the
+  /// map by 0.3 m and 3 degrees of yaw.
+  [[nodiscard]] std::string displaced_start_pose(double start_s = 0.0) const;
 };
 
 /// All real, hand-held, 17 s, no laser map.

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/system/loopback_network.hpp"
+#include "test/system/recorded_flight.hpp"
+
+namespace fleetloc {
+
+/// fleetloc-robot and fleetloc-cloud on a network of their own, on the flight in the Vicon room.
+class DdsFixture : public testing::Test {
+ protected:
+  using Arguments = std::vector<std::string>;
+
+  void SetUp() override {
+    if (!std::filesystem::is_directory(recordings())) {
+      GTEST_SKIP() << "there are no recordings in " << recordings();
+    }
+  }
+
+  /// The command line of a robot that is told its pose at its first image.
+  /// @param start_s  seconds of the flight to skip
+  [[nodiscard]] Arguments robot(const std::string& id,
+                                const Arguments& more,
+                                const std::string& start_s = "0") const {
+    Arguments arguments{"--robot-id",
+                        id,
+                        "--dataset",
+                        vicon_room().folder.string(),
+                        "--qos",
+                        qos_,
+                        "--domain",
+                        network_.domain(),
+                        "--start",
+                        start_s,
+                        "--initial-pose",
+                        vicon_room().displaced_start_pose(std::stod(start_s)),
+                        "--out",
+                        folder_of(id).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  [[nodiscard]] Arguments cloud(const std::string& name) {
+    if (map_.empty()) map_ = built_map(vicon_room(), scratch_);
+    return {"--name",
+            name,
+            "--map",
+            map_.string(),
+            "--qos",
+            qos_,
+            "--domain",
+            network_.domain(),
+            "--out",
+            folder_of(name).string()};
+  }
+
+  [[nodiscard]] std::filesystem::path folder_of(const std::string& name) const {
+    return scratch_ / name;
+  }
+
+  const ScratchFolder scratch_;
+  const LoopbackNetwork network_;
+  std::string qos_ = network_.qos();
+
+ private:
+  std::filesystem::path map_;
+};
+
+}  // namespace fleetloc
