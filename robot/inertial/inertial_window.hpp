@@ -16,6 +16,8 @@ struct InertialWindow {
   /// Covariance of [velocity, gyroscope bias, accelerometer bias] of the oldest state: its marginal
   /// in the odometry, without terms that came from the cloud.
   Matrix9d oldest_covariance = Matrix9d::Identity();
+  /// Mean of that marginal, seen from the oldest state: what came from the cloud may have moved it.
+  Vector9d oldest_mean = Vector9d::Zero();
 };
 
 }  // namespace fleetloc

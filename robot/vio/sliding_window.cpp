@@ -127,7 +127,8 @@ struct SlidingWindow::State {
 
   void append_predicted(const KeyframeInput& input);
   WindowDiagnostics solve();
-  void report(const WindowDiagnostics& diagnostics, const Eigen::MatrixXd& covariance);
+  [[nodiscard]] MergeCount take_over(const std::optional<Correction>& correction);
+  void report(const WindowDiagnostics& diagnostics, const OdometryMarginal& marginal);
   void slide(const Eigen::MatrixXd& covariance);
   void optimize_and_slide(int rounds);
 };
@@ -149,8 +150,16 @@ WindowDiagnostics SlidingWindow::State::solve() {
   return diagnostics;
 }
 
+MergeCount SlidingWindow::State::take_over(const std::optional<Correction>& correction) {
+  if (!correction.has_value()) {
+    return {};
+  }
+  return config.merge ? merge(*correction, graph) : MergeCount{0, size_of(*correction)};
+}
+
 void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
-                                  const Eigen::MatrixXd& covariance) {
+                                  const OdometryMarginal& marginal) {
+  const Eigen::MatrixXd& covariance = marginal.covariance;
   estimate = {};
   estimate.diagnostics = diagnostics;
   Eigen::Index row = 0;
@@ -168,6 +177,7 @@ void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
     row += kState;
   }
   estimate.inertial.oldest_covariance = covariance.block<9, 9>(6, 6);
+  estimate.inertial.oldest_mean = marginal.mean.segment<9>(6);
   estimate.landmarks = landmark_estimates(graph, config.noise.pixel_sigma);
   const auto J =
       moved_by(estimate.keyframes.front().state.T_odom_body, estimate.keyframes.back().state);
@@ -195,11 +205,11 @@ void SlidingWindow::State::optimize_and_slide(int rounds) {
     diagnostics = solve();
     diagnostics.outliers_removed += removed;
   }
-  const Eigen::MatrixXd covariance = covariance_of(graph, config);
-  diagnostics.converged = diagnostics.converged && covariance.allFinite();
-  report(diagnostics, covariance);
+  const OdometryMarginal marginal = odometry_marginal(graph, config);
+  diagnostics.converged = diagnostics.converged && marginal.covariance.allFinite();
+  report(diagnostics, marginal);
   if (graph.keyframes.size() >= static_cast<std::size_t>(config.keyframes)) {
-    slide(covariance);
+    slide(marginal.covariance);
   }
 }
 
@@ -236,7 +246,10 @@ const WindowEstimate& SlidingWindow::estimate() const {
 
 WindowEstimate SlidingWindow::add(const KeyframeInput& keyframe) {
   state_->append_predicted(keyframe);
+  const MergeCount merged = state_->take_over(keyframe.correction);
   state_->optimize_and_slide(1);
+  state_->estimate.diagnostics.corrections_applied = merged.applied;
+  state_->estimate.diagnostics.corrections_ignored = merged.ignored;
   return state_->estimate;
 }
 
@@ -251,6 +264,7 @@ SlidingWindow::Config read_sliding_window_config(ConfigReader section, const Vio
   config.max_depth_m = section.positive("max_depth_m");
   config.gyroscope_bias_sigma = section.positive("gyroscope_bias_sigma");
   config.accelerometer_bias_sigma = section.positive("accelerometer_bias_sigma");
+  config.merge = section.get<bool>("merge");
   return config;
 }
 
