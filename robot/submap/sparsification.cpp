@@ -159,13 +159,10 @@ Sparsified<PoseInformation> pose_information(const InertialWindow& window, Inert
   for (int first = 0; first + 1 < columns.states; ++first) {
     if (const auto refusal = add_measurement(window, first, columns, sum)) return *refusal;
   }
-  if (const auto column = columns.speed_bias(0)) {
+  if (const auto column = columns.speed_bias(0)) {  // its mean is the linearization point
     const ScaledCholesky covariance(window.oldest_covariance);
     if (!covariance.regular()) return Refusal::kSingularPrior;
-    if (!window.oldest_mean.allFinite()) return Refusal::kNotFinite;
-    const Matrix9d information = covariance.inverse();
-    sum.information.block<kSpeedBias, kSpeedBias>(*column, *column) += information;
-    sum.vector.segment<kSpeedBias>(*column) += information * window.oldest_mean;
+    sum.information.block<kSpeedBias, kSpeedBias>(*column, *column) += covariance.inverse();
   }
   const int kept = columns.poses();
   const int removed = columns.all() - kept;

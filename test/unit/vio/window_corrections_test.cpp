@@ -145,7 +145,6 @@ class OneLinearizationPoint : public WindowCorrectionsTest {
       if (keyframe.from_previous) window.between.push_back(*keyframe.from_previous);
     }
     window.oldest_covariance = marginal.covariance.block<9, 9>(6, 6);
-    window.oldest_mean = marginal.mean.segment<9>(6);
     return std::get<ChainOfPoses>(virtual_odometry(window, InertialModel::kInertialMean));
   }
 
