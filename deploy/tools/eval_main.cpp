@@ -82,6 +82,11 @@ int write(const nlohmann::json& evaluation, const std::string& run, bool json) {
   for (const char* key : {"ate", "rotation_deg", "odometry_ate", "odometry_rotation_deg"}) {
     if (!evaluation.at(key).is_null()) print_row(key, evaluation.at(key));
   }
+  if (const auto& relative = evaluation.at("odometry_relative"); !relative.is_null()) {
+    std::cout << "odometry_relative  rmse " << relative.at("translation_rmse_m") << " m, "
+              << relative.at("rotation_rmse_deg") << " deg over " << relative.at("pairs")
+              << " pairs\n";
+  }
   std::cout << "coverage  " << evaluation.at("coverage") << "\nnees  map "
             << evaluation.at("nees").at("map") << "  odom " << evaluation.at("nees").at("odom")
             << '\n';

@@ -50,11 +50,23 @@ nlohmann::json errors_or_null(const std::vector<PosePair>& pairs,
   return to_json(absolute_trajectory_error(pairs, T_truth_estimate).*which);
 }
 
+nlohmann::json relative_or_null(const std::vector<PosePair>& pairs,
+                                const EvaluationConfig& config) {
+  const auto error = relative_trajectory_error(pairs, config.relative_interval, config.max_gap);
+  if (error.poses == 0) return nullptr;
+  return {{"pairs", error.poses},
+          {"translation_rmse_m", error.translation_m.rmse},
+          {"rotation_rmse_deg", error.rotation_deg.rmse}};
+}
+
 }  // namespace
 
 EvaluationConfig read_evaluation_config(ConfigReader section) {
-  const std::chrono::duration<double> max_gap(section.positive("max_gap_s"));
-  return {.max_gap = std::chrono::duration_cast<Duration>(max_gap)};
+  const auto duration = [&section](const char* key) {
+    return std::chrono::duration_cast<Duration>(
+        std::chrono::duration<double>(section.positive(key)));
+  };
+  return {.max_gap = duration("max_gap_s"), .relative_interval = duration("relative_interval_s")};
 }
 
 nlohmann::json to_json(const Statistics& statistics) {
@@ -92,6 +104,7 @@ nlohmann::json evaluate_run(const std::filesystem::path& run,
       {"odometry_ate", errors_or_null(odom, T_truth_odom, &TrajectoryError::translation_m)},
       {"odometry_rotation_deg", errors_or_null(odom, T_truth_odom, &TrajectoryError::rotation_deg)},
       {"confidence", confidence(map, covariances)},
+      {"odometry_relative", relative_or_null(odom, config)},
       {"coverage", read_coverage(run / "summary.json")},
       {"nees",
        {{"map", mean_nees(map, {}, covariances.map)},

@@ -12,7 +12,8 @@
 namespace fleetloc {
 
 struct EvaluationConfig {
-  Duration max_gap{};  ///< that the ground truth is interpolated across
+  Duration max_gap{};            ///< that the ground truth is interpolated across
+  Duration relative_interval{};  ///< that the relative error of the odometry is taken over
 };
 
 EvaluationConfig read_evaluation_config(ConfigReader section);
@@ -33,6 +34,8 @@ nlohmann::json evaluate(const Trajectory& truth,
 /// - `ate`, `rotation_deg`: of localization_frames.tum as it is
 /// - `odometry_ate`, `odometry_rotation_deg`: of odometry.tum, aligned in SE(3)
 /// - `confidence`: see eval_confidence.hpp
+/// - `odometry_relative`: of the same, over relative_interval, no alignment: `pairs`,
+///   `translation_rmse_m`, `rotation_rmse_deg`
 /// - `coverage`: of summary.json
 /// - `nees` {map, odom}: means over the frames of diagnostics.csv, per degree of freedom; for odom
 ///   position and heading are aligned at its first pose

@@ -112,9 +112,11 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   if (!result->wants_keyframe || back_end_busy_) return false;
   auto imu = imu_.between(newest_keyframe_, frame.stamp);
   if (imu.empty()) return false;
-  back_end_.start(
-      KeyframeInput{.id = KeyframeId{next_keyframe_++}, .frame = frame, .imu = std::move(imu)},
-      frame.stamp);
+  KeyframeInput keyframe{.id = KeyframeId{next_keyframe_++}, .frame = frame, .imu = std::move(imu)};
+  if (localizer_ != nullptr && !setup_.align_once) {
+    keyframe.correction = localizer_->take_correction();
+  }
+  back_end_.start(std::move(keyframe), frame.stamp);
   frame_estimator_.keyframe_made(frame, result->estimate.state);
   back_end_busy_ = true;
   newest_keyframe_ = frame.stamp;
@@ -128,6 +130,8 @@ void RobotPipeline::take_back_end(Timestamp now) {
   back_end_cpu_.push_back(result->cpu);
   const bool first = window_ == nullptr;
   window_ = std::move(result->window);
+  corrections_applied_ += static_cast<std::uint64_t>(window_->diagnostics.corrections_applied);
+  corrections_ignored_ += static_cast<std::uint64_t>(window_->diagnostics.corrections_ignored);
   frame_estimator_.update(window_);
   if (first) fuse_first_window();
   imu_.forget_before(window_->keyframes.back().stamp);

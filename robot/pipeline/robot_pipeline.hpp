@@ -36,7 +36,8 @@ struct RobotSetup {
   SessionNumber session{1};        ///< of the first start of the odometry; higher in later programs
   Timestamp program_start{};       ///< a later one replaces what the cloud knows of the robot
   std::optional<Pose> T_map_body;  ///< at the first image
-  bool align_once = false;         ///< a control: ignore every answer after the first applied one
+  /// A control: ignore every answer after the first applied one, and all corrections.
+  bool align_once = false;
 };
 
 /// What became of one stereo frame.
@@ -93,6 +94,9 @@ class RobotPipeline {
 
   [[nodiscard]] std::uint64_t submaps_built() const { return submaps_built_; }
   [[nodiscard]] std::uint64_t keyframes() const { return next_keyframe_; }
+  /// Landmarks and relative poses of the cloud that entered the window, and that did not.
+  [[nodiscard]] std::uint64_t corrections_applied() const { return corrections_applied_; }
+  [[nodiscard]] std::uint64_t corrections_ignored() const { return corrections_ignored_; }
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] std::uint64_t refused_imu_samples() const { return refused_imu_samples_; }
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
@@ -139,6 +143,8 @@ class RobotPipeline {
   std::vector<AnswerOutput> answers_;
   std::vector<Duration> back_end_cpu_;
   std::uint64_t submaps_built_ = 0;
+  std::uint64_t corrections_applied_ = 0;
+  std::uint64_t corrections_ignored_ = 0;
   std::uint64_t imu_samples_ = 0;
   std::uint64_t refused_imu_samples_ = 0;
   Duration fusion_cpu_{};

@@ -41,6 +41,8 @@ void RunRecorder::finish(const RobotPipeline& pipeline,
   }
   summary_.keyframes = pipeline.keyframes();
   summary_.submaps_sent = traffic.submaps_sent;
+  summary_.corrections_applied = pipeline.corrections_applied();
+  summary_.corrections_ignored = pipeline.corrections_ignored();
   summary_.uplink_bytes = traffic.uplink_bytes;
   summary_.downlink_bytes = traffic.downlink_bytes;
   summary_.uplink_wire_bytes = traffic.uplink_wire_bytes;

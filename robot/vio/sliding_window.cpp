@@ -45,6 +45,13 @@ double tilt_sigma(const Pose& T_odom_body, const Eigen::Matrix3d& rotation_covar
   return std::sqrt(0.5 * (covariance_odom(0, 0) + covariance_odom(1, 1)));
 }
 
+NavState moved(const NavState& state, const Vector15d& tangent) {
+  return {
+      retract(state.T_odom_body, tangent.head<6>()),
+      state.v_odom + tangent.segment<3>(6),
+      {state.bias.gyroscope + tangent.segment<3>(9), state.bias.accelerometer + tangent.tail<3>()}};
+}
+
 // How the tangent of `state` moves when yaw and position of another pose do.
 Eigen::Matrix<double, 15, 4> moved_by(const Pose& T_odom_other, const NavState& state) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -127,7 +134,8 @@ struct SlidingWindow::State {
 
   void append_predicted(const KeyframeInput& input);
   WindowDiagnostics solve();
-  void report(const WindowDiagnostics& diagnostics, const Eigen::MatrixXd& covariance);
+  [[nodiscard]] MergeCount take_over(const std::optional<Correction>& correction);
+  void report(const WindowDiagnostics& diagnostics, const OdometryMarginal& marginal);
   void slide(const Eigen::MatrixXd& covariance);
   void optimize_and_slide(int rounds);
 };
@@ -149,8 +157,16 @@ WindowDiagnostics SlidingWindow::State::solve() {
   return diagnostics;
 }
 
+MergeCount SlidingWindow::State::take_over(const std::optional<Correction>& correction) {
+  if (!correction.has_value()) {
+    return {};
+  }
+  return config.merge ? merge(*correction, graph) : MergeCount{0, size_of(*correction)};
+}
+
 void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
-                                  const Eigen::MatrixXd& covariance) {
+                                  const OdometryMarginal& marginal) {
+  const Eigen::MatrixXd& covariance = marginal.covariance;
   estimate = {};
   estimate.diagnostics = diagnostics;
   Eigen::Index row = 0;
@@ -168,6 +184,9 @@ void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
     row += kState;
   }
   estimate.inertial.oldest_covariance = covariance.block<9, 9>(6, 6);
+  // What came from the cloud has moved it, and its tilt and velocity would tell the submap.
+  NavState& oldest = estimate.inertial.states.front();
+  oldest = moved(oldest, marginal.mean.head<kState>());
   estimate.landmarks = landmark_estimates(graph, config.noise.pixel_sigma);
   const auto J =
       moved_by(estimate.keyframes.front().state.T_odom_body, estimate.keyframes.back().state);
@@ -195,11 +214,11 @@ void SlidingWindow::State::optimize_and_slide(int rounds) {
     diagnostics = solve();
     diagnostics.outliers_removed += removed;
   }
-  const Eigen::MatrixXd covariance = covariance_of(graph, config);
-  diagnostics.converged = diagnostics.converged && covariance.allFinite();
-  report(diagnostics, covariance);
+  const OdometryMarginal marginal = odometry_marginal(graph, config);
+  diagnostics.converged = diagnostics.converged && marginal.covariance.allFinite();
+  report(diagnostics, marginal);
   if (graph.keyframes.size() >= static_cast<std::size_t>(config.keyframes)) {
-    slide(covariance);
+    slide(marginal.covariance);
   }
 }
 
@@ -236,7 +255,10 @@ const WindowEstimate& SlidingWindow::estimate() const {
 
 WindowEstimate SlidingWindow::add(const KeyframeInput& keyframe) {
   state_->append_predicted(keyframe);
+  const MergeCount merged = state_->take_over(keyframe.correction);
   state_->optimize_and_slide(1);
+  state_->estimate.diagnostics.corrections_applied = merged.applied;
+  state_->estimate.diagnostics.corrections_ignored = merged.ignored;
   return state_->estimate;
 }
 
@@ -251,6 +273,7 @@ SlidingWindow::Config read_sliding_window_config(ConfigReader section, const Vio
   config.max_depth_m = section.positive("max_depth_m");
   config.gyroscope_bias_sigma = section.positive("gyroscope_bias_sigma");
   config.accelerometer_bias_sigma = section.positive("accelerometer_bias_sigma");
+  config.merge = section.get<bool>("merge");
   return config;
 }
 

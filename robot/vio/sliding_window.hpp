@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "robot/vio/vio_noise.hpp"
 #include "robot/vio/window_estimate.hpp"
 #include "shared/model/camera.hpp"
+#include "shared/model/correction.hpp"
 
 namespace fleetloc {
 
@@ -14,6 +16,8 @@ struct KeyframeInput {
   TrackedFrame frame;
   /// From the previous keyframe's stamp to this one's, ends interpolated; empty for the first.
   std::vector<ImuSample> imu;
+  /// The newest that has arrived since the previous keyframe, of the same session.
+  std::optional<Correction> correction = std::nullopt;
 };
 
 /// Where a window starts from; see Initializer.
@@ -39,6 +43,7 @@ class SlidingWindow {
     double max_depth_m = 0.0;               ///< landmarks farther away are not used
     double gyroscope_bias_sigma = 0.0;      ///< at the start, about zero [rad/s]
     double accelerometer_bias_sigma = 0.0;  ///< at the start, about zero [m/s^2]
+    bool merge = false;                     ///< what the cloud sends; else it is only counted
   };
 
   SlidingWindow(const RectifiedStereo& stereo,

@@ -30,9 +30,11 @@ struct WindowDiagnostics {
   double initial_cost = 0.0;  ///< 0.5 * robust squared residuals
   double final_cost = 0.0;
   int iterations = 0;
-  bool converged = false;    ///< to a usable solution; false: trust nothing of this estimate
-  int observations = 0;      ///< that took part
-  int outliers_removed = 0;  ///< observations that failed the chi-square test afterwards
+  bool converged = false;       ///< to a usable solution; false: trust nothing of this estimate
+  int observations = 0;         ///< that took part
+  int outliers_removed = 0;     ///< observations that failed the chi-square test afterwards
+  int corrections_applied = 0;  ///< of the cloud, landmarks and relative poses
+  int corrections_ignored = 0;  ///< likewise: not of this window, or not wanted
 };
 
 /// The sliding window after an optimization.
@@ -40,7 +42,7 @@ struct WindowEstimate {
   std::vector<WindowKeyframe> keyframes;  ///< oldest first
   InertialWindow inertial;                ///< of the same keyframes
   std::map<LandmarkId, LandmarkEstimate> landmarks;
-  /// Of the newest state, in odom, with the drift since the start.
+  /// Of the newest state, in odom, with the drift since the start; without the cloud's corrections.
   Matrix15d covariance = Matrix15d::Zero();
   WindowDiagnostics diagnostics;
 };

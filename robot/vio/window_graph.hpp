@@ -10,6 +10,7 @@
 #include "robot/vio/marginalization.hpp"
 #include "robot/vio/sliding_window.hpp"
 #include "robot/vio/triangulation.hpp"
+#include "robot/vio/window_corrections.hpp"
 #include "robot/vio/window_estimate.hpp"
 #include "shared/factors/normal_equations.hpp"
 #include "shared/factors/reprojection_factor.hpp"
@@ -43,6 +44,7 @@ struct WindowGraph {
   std::deque<GraphKeyframe> keyframes;  // a deque and a map: addresses stay
   std::map<LandmarkId, GraphLandmark> landmarks;
   std::unique_ptr<MarginalizationPrior> prior;
+  WindowCorrections corrections;
 };
 
 NavState state_of(const GraphKeyframe& keyframe);
@@ -83,18 +85,24 @@ std::vector<GraphFactor> inertial_factors(WindowGraph& graph);
 /// Of all landmarks that take part.
 std::vector<VisualFactor> visual_factors(WindowGraph& graph, double pixel_sigma);
 
-/// Ceres, Levenberg-Marquardt, with yaw and position of the oldest keyframe held.
+/// Ceres, Levenberg-Marquardt, with yaw and position of the oldest keyframe held. Corrections have
+/// the robust kernel of the reprojections, for a wrong association in the map shows in them.
 WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& config);
 
 /// Drops observations beyond `outlier_sigmas`, and landmarks that nobody sees any more.
 int remove_outliers(WindowGraph& graph, const SlidingWindow::Config& config);
 
-/// Joint covariance of all keyframes, 15 unknowns each (NavState's tangent), relative to yaw and
-/// position of the oldest.
-Eigen::MatrixXd covariance_of(WindowGraph& graph, const SlidingWindow::Config& config);
+/// What the robot's own measurements say of all keyframes, 15 unknowns each (NavState's tangent at
+/// the current states), relative to yaw and position of the oldest. Without corrections.
+struct OdometryMarginal {
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd mean;  ///< where they alone would have the states, to first order
+};
+OdometryMarginal odometry_marginal(WindowGraph& graph, const SlidingWindow::Config& config);
 
 /// The oldest keyframe leaves: with the landmarks that it sees and the newest one does not, all
 /// their observations turn into the prior of the rest. Others lose their observation in it.
+/// Corrections that concern what leaves are dropped; none enters the prior.
 void marginalize_oldest(WindowGraph& graph, const SlidingWindow::Config& config);
 
 }  // namespace fleetloc

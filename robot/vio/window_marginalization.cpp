@@ -97,6 +97,7 @@ void forget_oldest(WindowGraph& graph) {
     });
   }
   std::erase_if(graph.landmarks, [](const auto& item) { return item.second.observations == 0; });
+  forget_departed_corrections(graph);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include <Eigen/Cholesky>
@@ -10,6 +11,9 @@
 
 namespace fleetloc {
 namespace {
+
+// The kernel's width is meant for three residuals; six of the same size are longer by this.
+const double kPoseKernel = std::sqrt(2.0);
 
 GaugeFactor gauge_factor(const GraphKeyframe& oldest) {
   return GaugeFactor(pose_from(oldest.pose.data()),
@@ -124,9 +128,11 @@ WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& conf
   relinearize_preintegrations(graph);
   std::vector<GraphFactor> inertial = inertial_factors(graph);
   std::vector<VisualFactor> visual = visual_factors(graph, config.noise.pixel_sigma);
+  const std::vector<GraphFactor> corrections = correction_factors(graph);
   GaugeFactor gauge = gauge_factor(graph.keyframes.front());
   PoseManifold manifold;
   ceres::HuberLoss huber(config.huber_sigmas);
+  ceres::HuberLoss pose_huber(kPoseKernel * config.huber_sigmas);
 
   ContiguousStates states(graph);
   ceres::Problem problem(problem_options());
@@ -147,6 +153,10 @@ WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& conf
   }
   for (const VisualFactor& factor : visual) {
     add(*factor.factor.cost, &huber, factor.factor.parameters);
+  }
+  for (const GraphFactor& factor : corrections) {
+    const bool e_rt = factor.cost->num_residuals() == 6;
+    add(*factor.cost, e_rt ? &pose_huber : &huber, factor.parameters);
   }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -171,10 +181,11 @@ int remove_outliers(WindowGraph& graph, const SlidingWindow::Config& config) {
     }
   }
   forget_unseen_landmarks(graph);
+  forget_departed_corrections(graph);
   return removed;
 }
 
-Eigen::MatrixXd covariance_of(WindowGraph& graph, const SlidingWindow::Config& config) {
+OdometryMarginal odometry_marginal(WindowGraph& graph, const SlidingWindow::Config& config) {
   const std::vector<GraphFactor> inertial = inertial_factors(graph);
   const std::vector<VisualFactor> visual = visual_factors(graph, config.noise.pixel_sigma);
   const GaugeFactor gauge = gauge_factor(graph.keyframes.front());
@@ -205,7 +216,8 @@ Eigen::MatrixXd covariance_of(WindowGraph& graph, const SlidingWindow::Config& c
   const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * system.H * scale.asDiagonal());
   const Eigen::MatrixXd inverse =
       cholesky.solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  return {scale.asDiagonal() * inverse * scale.asDiagonal(),
+          -(scale.asDiagonal() * cholesky.solve(scale.asDiagonal() * system.g))};
 }
 
 }  // namespace fleetloc

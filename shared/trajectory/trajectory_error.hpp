@@ -30,6 +30,13 @@ struct TrajectoryError {
 TrajectoryError absolute_trajectory_error(std::span<const PosePair> pairs,
                                           const Pose& T_truth_estimate);
 
+/// Relative error over a time (Sturm et al. 2012): how well the estimate knows the motion from each
+/// pose to the one `interval` later, or the nearest to that within `tolerance`. Independent of the
+/// estimate's frame. `poses` counts the pairs of instants.
+TrajectoryError relative_trajectory_error(std::span<const PosePair> pairs,
+                                          Duration interval,
+                                          Duration tolerance);
+
 /// Normalized estimation error squared per degree of freedom: near one if `covariance` (right
 /// perturbation of the estimate) tells the truth, above if it promises too much. Nothing if the
 /// covariance is not positive definite.

@@ -151,6 +151,24 @@ TEST_F(EvaluateRun, FindsTheErrorsThatWereMade) {
   EXPECT_EQ(evaluation["coverage"], 0.95);
 }
 
+// Errors of both ends: sqrt(2) of one pose in rotation, and a lever arm of what the first one's
+// rotation does to ten seconds of motion.
+TEST_F(EvaluateRun, FindsTheRelativeErrorOfTheOdometry) {
+  const auto relative = evaluate_run(folder_, truth(), config())["odometry_relative"];
+  EXPECT_EQ(relative["pairs"], kFrames - 200);
+  const double expected_deg = std::sqrt(2.0) * sigmas().head<3>().norm() * 180.0 / M_PI;
+  EXPECT_NEAR(relative["rotation_rmse_deg"].get<double>(), expected_deg, 0.05 * expected_deg);
+  EXPECT_GT(relative["translation_rmse_m"].get<double>(),
+            std::sqrt(2.0) * sigmas().tail<3>().norm());
+  EXPECT_LT(relative["translation_rmse_m"].get<double>(), 0.15);
+}
+
+TEST_F(EvaluateRun, HasNoRelativeErrorForARunShorterThanTheInterval) {
+  Trajectory start = truth();
+  start.resize(150);
+  EXPECT_TRUE(evaluate_run(folder_, start, config())["odometry_relative"].is_null());
+}
+
 TEST_F(EvaluateRun, FindsNeesNearOneForAnHonestCovarianceAndFourForHalfTheSigmas) {
   const auto evaluation = evaluate_run(folder_, truth(), config());
   EXPECT_NEAR(evaluation["nees"]["map"].get<double>(), 1.0, 0.05);
@@ -203,8 +221,10 @@ TEST_F(EvaluateRun, NamesAMissingColumn) {
 
 TEST(Evaluate, RefusesAnEstimateWithoutGroundTruth) {
   const Trajectory later = {{.stamp = at(kFrames + 100), .T_ref_body = {}}};
-  EXPECT_THROW(evaluate(truth(), later, Alignment::kSe3, {.max_gap = std::chrono::seconds(1)}),
-               std::runtime_error);
+  EXPECT_THROW(
+      evaluate(
+          truth(), later, Alignment::kSe3, {std::chrono::seconds(1), std::chrono::seconds(10)}),
+      std::runtime_error);
 }
 
 }  // namespace

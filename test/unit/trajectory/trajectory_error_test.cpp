@@ -42,6 +42,43 @@ TEST(TrajectoryError, IsTheDistanceAndTheAngleOfEachPair) {
   EXPECT_NEAR(error.rotation_deg.rmse, std::sqrt(41.0 / 3.0), 1e-9);
 }
 
+// An odometry that goes 2 % too far and turns too fast about z, in a frame of its own.
+TEST(RelativeTrajectoryError, IsTheErrorOfEachMotionInWhateverFrame) {
+  constexpr double kTurn = 0.001;  // [rad/s]
+  const Pose T_estimate_truth{.R = exp_so3({0.3, 0.0, 1.0}), .p = {1.0, 2.0, 3.0}};
+  std::vector<PosePair> pairs;
+  for (int i = 0; i <= 150; ++i) {
+    const double t = 0.1 * i;
+    const Pose wrong{.R = exp_so3({0.0, 0.0, kTurn * t}), .p = {0.0, 0.0, 1.02 * t}};
+    pairs.push_back({.stamp = Timestamp(std::chrono::milliseconds(100 * i)),
+                     .T_truth_body = {.p = {0.0, 0.0, t}},
+                     .T_estimate_body = T_estimate_truth * wrong});
+  }
+  const auto error =
+      relative_trajectory_error(pairs, std::chrono::seconds(10), std::chrono::milliseconds(50));
+  EXPECT_EQ(error.poses, 51U);
+  EXPECT_NEAR(error.translation_m.rmse, 0.2, 1e-9);
+  EXPECT_NEAR(error.translation_m.max, 0.2, 1e-9);
+  EXPECT_NEAR(error.rotation_deg.rmse, 0.01 * 180.0 / std::numbers::pi, 1e-9);
+}
+
+TEST(RelativeTrajectoryError, TakesTheNearestPoseWithinTheTolerance) {
+  std::vector<PosePair> pairs(4);
+  for (PosePair& pair : pairs) pair.T_truth_body = pair.T_estimate_body = {};
+  const int ms[] = {0, 9900, 10040, 21000};
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].stamp = Timestamp(std::chrono::milliseconds(ms[i]));
+    pairs[i].T_estimate_body.p.x() = static_cast<double>(i);
+  }
+  const auto relative = [&](int tolerance_ms) {
+    return relative_trajectory_error(
+        pairs, std::chrono::seconds(10), std::chrono::milliseconds(tolerance_ms));
+  };
+  EXPECT_EQ(relative(100).poses, 1U);
+  EXPECT_NEAR(relative(100).translation_m.max, 2.0, 1e-12);
+  EXPECT_EQ(relative(10).poses, 0U);
+}
+
 TEST(Nees, IsTheMeanSquareOfErrorsInSigmas) {
   Vector6d sigmas;
   sigmas << 0.01, 0.02, 0.03, 0.1, 0.2, 0.3;

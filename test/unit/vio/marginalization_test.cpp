@@ -8,7 +8,7 @@
 #include "robot/vio/gauge_factor.hpp"
 #include "robot/vio/window_graph.hpp"
 #include "test/unit/factors/factor_jacobian.hpp"
-#include "test/unit/vio/simulated_vio.hpp"
+#include "test/unit/vio/slid_graph.hpp"
 
 namespace fleetloc {
 namespace {
@@ -80,49 +80,8 @@ TEST_F(PriorTest, SaysNothingAboutUnknownDirections) {
   EXPECT_LT((prior.jacobian() * N).norm(), 1e-12 * prior.jacobian().norm());
 }
 
-// A window over a noisy run that has slid a few times, so that states of its prior have moved
-// away from their first estimates.
 class WindowGraphTest : public testing::Test {
  protected:
-  WindowGraphTest() : run_(noisy()), config_(simulated_vio_config(0.5).window) {
-    config_.keyframes = 6;
-    const Initialization start = true_initialization(run_, 40, 4, 6);
-    graph_.stereo = run_.stereo();
-    for (std::size_t i = 0; i < start.keyframes.size(); ++i) {
-      add(start.keyframes[i], start.states[i]);
-    }
-    for (int i = 4; i < 12; ++i) {
-      const int frame = 40 + 6 * i;
-      add(keyframe_input(run_, frame, frame - 6, static_cast<std::uint32_t>(i)),
-          run_.truth(run_.frame_stamp(frame)));
-      triangulate_others(graph_, {config_.min_disparity_px, config_.max_depth_m});
-      optimize(graph_, config_);
-      if (i >= 6) {
-        marginalize_oldest(graph_, config_);
-      }
-    }
-  }
-
-  static SimulatedRun::Config noisy() {
-    SimulatedRun::Config config;
-    config.imu_white_noise = true;
-    config.pixel_sigma = 0.5;
-    return config;
-  }
-
-  void add(const KeyframeInput& input, const NavState& state) {
-    GraphKeyframe keyframe;
-    keyframe.id = input.id;
-    keyframe.stamp = input.frame.stamp;
-    keyframe.pose = to_parameters(state.T_odom_body);
-    keyframe.speed_bias = to_speed_bias(state);
-    keyframe.observations = input.frame.observations;
-    if (!graph_.keyframes.empty()) {
-      keyframe.from_previous.emplace(input.imu, ImuBias{}, run_.noise());
-    }
-    append(graph_, std::move(keyframe));
-  }
-
   // Of the whole graph, keyframes from `first` on kept, with yaw and position of `held` fixed.
   NormalEquations system(const std::vector<VisualFactor>& visual,
                          std::size_t first,
@@ -174,9 +133,9 @@ class WindowGraphTest : public testing::Test {
     return (N.transpose() * H * N).diagonal().maxCoeff() / H.diagonal().mean();
   }
 
-  SimulatedRun run_;
-  SlidingWindow::Config config_;
-  WindowGraph graph_;
+  SimulatedRun run_{noisy_run()};
+  SlidingWindow::Config config_ = simulated_vio_config(0.5).window;
+  WindowGraph graph_ = slid_graph(run_, config_);
   ceres::HuberLoss huber_{2.5};
   std::vector<GraphFactor> inertial_;
   std::unique_ptr<GaugeFactor> gauge_;
