@@ -18,13 +18,12 @@ KeyframeId beyond(KeyframeId id, int count) {
 
 // The newest keyframe of `submap` that saw `landmark`; if none did, the newest.
 const SubmapKeyframe& reference_of(LandmarkId landmark, const Submap& submap) {
-  for (auto keyframe = submap.keyframes.rbegin(); keyframe != submap.keyframes.rend(); ++keyframe) {
-    if (std::ranges::binary_search(
-            keyframe->observations, landmark, {}, &StereoObservation::landmark)) {
-      return *keyframe;
-    }
-  }
-  return submap.keyframes.back();
+  const auto newest = std::find_if(
+      submap.keyframes.rbegin(), submap.keyframes.rend(), [&](const SubmapKeyframe& keyframe) {
+        return std::ranges::binary_search(
+            keyframe.observations, landmark, {}, &StereoObservation::landmark);
+      });
+  return newest != submap.keyframes.rend() ? *newest : submap.keyframes.back();
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ bool is_same(const StereoObservation& a, const StereoObservation& b) {
 
 }  // namespace
 
-WindowProblem::WindowProblem(const RectifiedStereo& stereo, int max_keyframes, const Config& config)
-    : stereo_(stereo),
+WindowProblem::WindowProblem(RectifiedStereo stereo, int max_keyframes, const Config& config)
+    : stereo_(std::move(stereo)),
       config_(config),
       reprojection_loss_(config.reprojection_kernel),
       map_loss_(config.map_kernel),
@@ -97,8 +97,8 @@ void WindowProblem::remove_keyframes(const SessionDatabase& database,
       problem_.RemoveResidualBlock(edge->second.factor);
       edges_.erase(edge);
     }
-    std::erase_if(edges_, [&](const auto& entry) {
-      const bool starts_here = entry.second.from == id;
+    std::erase_if(edges_, [this, gone = id](const auto& entry) {
+      const bool starts_here = entry.second.from == gone;
       if (starts_here) problem_.RemoveResidualBlock(entry.second.factor);
       return starts_here;
     });
@@ -128,7 +128,7 @@ void WindowProblem::add_edges(const SessionDatabase& database) {
   for (const auto& [to, node] : keyframes_) {
     const VirtualEdge* edge = database.edge_into(to);
     if (edge == nullptr || edges_.contains(to) || !keyframes_.contains(edge->from)) continue;
-    const auto factor =
+    const ceres::ResidualBlockId factor =
         problem_.AddResidualBlock(new RelativePoseFactor(edge->T_from_to, edge->information),
                                   nullptr,
                                   keyframes_.at(edge->from).pose,

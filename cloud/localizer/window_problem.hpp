@@ -45,7 +45,7 @@ class WindowProblem {
     double cost = 0.0;
   };
 
-  WindowProblem(const RectifiedStereo& stereo, int max_keyframes, const Config& config);
+  WindowProblem(RectifiedStereo stereo, int max_keyframes, const Config& config);
   ~WindowProblem();
   WindowProblem(const WindowProblem&) = delete;
   WindowProblem& operator=(const WindowProblem&) = delete;

@@ -124,9 +124,9 @@ template <int N>
 void MapAlignment::update(const Eigen::Matrix<double, N, 1>& residual,
                           const Eigen::Matrix<double, N, 12>& H,
                           const Eigen::Matrix<double, N, N>& R) {
-  const Eigen::Matrix<double, N, 12> H_P = H * P_;
-  const Eigen::Matrix<double, N, N> S = H_P * H.transpose() + R;
-  const Eigen::Matrix<double, 12, N> K = S.llt().solve(H_P).transpose();
+  const Eigen::Matrix<double, 12, N> C = P_ * H.transpose();  // of state and residual
+  const Eigen::Matrix<double, N, N> S = H * C + R;
+  const Eigen::Matrix<double, 12, N> K = S.llt().solve(C.transpose()).transpose();
   const Eigen::Matrix<double, 12, 1> correction = K * residual;
   const Matrix12d A = Matrix12d::Identity() - K * H;
   P_ = A * P_ * A.transpose() + K * R * K.transpose();

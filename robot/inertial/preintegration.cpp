@@ -1,6 +1,7 @@
 #include "robot/inertial/preintegration.hpp"
 
 #include <cassert>
+#include <utility>
 
 #include "shared/geometry/so3.hpp"
 
@@ -73,9 +74,9 @@ double square(double x) {
 }  // namespace
 
 Preintegration::Preintegration(std::span<const ImuSample> samples,
-                               const ImuBias& bias,
+                               ImuBias bias,
                                const ImuNoise& noise)
-    : samples_(samples.begin(), samples.end()), bias_(bias), noise_(noise) {
+    : samples_(samples.begin(), samples.end()), bias_(std::move(bias)), noise_(noise) {
   assert(samples_.size() >= 2);
   for (std::size_t i = 1; i < samples_.size(); ++i) {
     assert(samples_[i - 1].stamp < samples_[i].stamp);

@@ -20,7 +20,7 @@ class Preintegration {
  public:
   /// Integrates `samples` (increasing stamps, at least two) from the first stamp to the last one
   /// at the given bias. Between samples the mean of both ends is applied (midpoint rule).
-  Preintegration(std::span<const ImuSample> samples, const ImuBias& bias, const ImuNoise& noise);
+  Preintegration(std::span<const ImuSample> samples, ImuBias bias, const ImuNoise& noise);
 
   [[nodiscard]] Duration duration() const;
   [[nodiscard]] const ImuBias& bias() const;  ///< linearization point

@@ -26,11 +26,11 @@ SubmapInput submap_input(const WindowEstimate& window) {
 
 }  // namespace
 
-KeyframeWorker::KeyframeWorker(const RectifiedStereo& stereo,
+KeyframeWorker::KeyframeWorker(RectifiedStereo stereo,
                                const ImuNoise& noise,
                                const Config& config,
                                CpuClock cpu_clock)
-    : stereo_(stereo),
+    : stereo_(std::move(stereo)),
       noise_(noise),
       config_(config),
       cpu_clock_(std::move(cpu_clock)),

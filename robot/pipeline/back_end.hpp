@@ -31,7 +31,7 @@ class KeyframeWorker {
     SlidingWindow::Config window;
     SubmapBuilder::Config submap;
   };
-  KeyframeWorker(const RectifiedStereo& stereo,
+  KeyframeWorker(RectifiedStereo stereo,
                  const ImuNoise& noise,
                  const Config& config,
                  CpuClock cpu_clock);

@@ -74,6 +74,30 @@ std::vector<const Candidate*> spread(const LandmarkSelection& selection,
   return ordered;
 }
 
+/// How many landmarks each image may still get.
+class Room {
+ public:
+  Room(Images images, int most, const std::set<LandmarkId>& kept) {
+    for (const std::vector<StereoObservation>* image : images) {
+      left_.push_back(most - static_cast<int>(std::ranges::count_if(
+                                 *image, [&kept](const StereoObservation& one) {
+                                   return kept.contains(one.landmark);
+                                 })));
+    }
+  }
+
+  [[nodiscard]] bool in(std::size_t image) const { return left_[image] > 0; }
+  [[nodiscard]] bool in_all(const std::vector<std::size_t>& images) const {
+    return std::ranges::all_of(images, [this](std::size_t image) { return in(image); });
+  }
+  void take(const std::vector<std::size_t>& images) {
+    for (const std::size_t image : images) --left_[image];
+  }
+
+ private:
+  std::vector<int> left_;
+};
+
 }  // namespace
 
 std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
@@ -81,22 +105,13 @@ std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
                                       std::span<const CandidateLandmark> landmarks,
                                       const std::set<LandmarkId>& kept) {
   const Candidates candidates = candidates_in(selection, images, landmarks);
-  const auto was_kept = [&kept](const StereoObservation& one) {
-    return kept.contains(one.landmark);
-  };
-  std::vector<int> room;
-  for (const std::vector<StereoObservation>* image : images) {
-    room.push_back(selection.max_per_keyframe -
-                   static_cast<int>(std::ranges::count_if(*image, was_kept)));
-  }
+  Room room(images, selection.max_per_keyframe, kept);
   std::set<LandmarkId> selected = kept;
   for (std::size_t image = images.size(); image-- > 0;) {
     for (const Candidate* candidate : spread(selection, *images[image], candidates)) {
-      if (room[image] <= 0) break;
-      if (selected.contains(candidate->landmark->id)) continue;
-      const auto has_room = [&room](std::size_t i) { return room[i] > 0; };
-      if (!std::ranges::all_of(candidate->seen_in, has_room)) continue;
-      for (const std::size_t i : candidate->seen_in) --room[i];
+      if (!room.in(image)) break;
+      if (selected.contains(candidate->landmark->id) || !room.in_all(candidate->seen_in)) continue;
+      room.take(candidate->seen_in);
       selected.insert(candidate->landmark->id);
     }
   }

@@ -59,7 +59,7 @@ struct Columns {
   int states;
   InertialModel model;
 
-  [[nodiscard]] std::optional<int> pose(int state) const {
+  [[nodiscard]] static std::optional<int> pose(int state) {
     if (state == 0) return std::nullopt;
     return kPose * (state - 1);
   }
@@ -93,7 +93,7 @@ std::optional<Refusal> add_measurement(const InertialWindow& window,
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(15, columns.all());
   for (const auto& [state, J_state] :
        {std::pair{first, &linear.J_first}, std::pair{first + 1, &linear.J_second}}) {
-    if (const auto column = columns.pose(state)) {
+    if (const auto column = Columns::pose(state)) {
       J.middleCols<kPose>(*column) = J_state->leftCols<kPose>();
     }
     if (const auto column = columns.speed_bias(state)) {
@@ -166,14 +166,14 @@ Sparsified<PoseInformation> pose_information(const InertialWindow& window, Inert
   }
   const int kept = columns.poses();
   const int removed = columns.all() - kept;
-  const ScaledCholesky Lambda_rr(sum.information.bottomRightCorner(removed, removed));
-  if (!Lambda_rr.regular()) return Refusal::kSingularMarginal;
-  const Eigen::MatrixXd Lambda_rs = sum.information.bottomLeftCorner(removed, kept);
+  const ScaledCholesky L_removed(sum.information.bottomRightCorner(removed, removed));
+  if (!L_removed.regular()) return Refusal::kSingularMarginal;
+  const Eigen::MatrixXd L_mixed = sum.information.bottomLeftCorner(removed, kept);
   PoseInformation dense;
-  dense.information = sum.information.topLeftCorner(kept, kept) -
-                      Lambda_rs.transpose() * Lambda_rr.solve(Lambda_rs);
+  dense.information =
+      sum.information.topLeftCorner(kept, kept) - L_mixed.transpose() * L_removed.solve(L_mixed);
   dense.vector =
-      sum.vector.head(kept) - Lambda_rs.transpose() * Lambda_rr.solve(sum.vector.tail(removed));
+      sum.vector.head(kept) - L_mixed.transpose() * L_removed.solve(sum.vector.tail(removed));
   for (const NavState& state : window.states) dense.poses.push_back(state.T_odom_body);
   return dense;
 }

@@ -141,8 +141,10 @@ std::vector<StereoObservation> SubmapBuilder::with_departed(
 
 void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
   std::vector<std::vector<StereoObservation>> observations;
+  observations.reserve(input.keyframes.size());
   for (const auto& keyframe : input.keyframes) observations.push_back(with_departed(keyframe));
   std::vector<const std::vector<StereoObservation>*> images;
+  images.reserve(observations.size());
   for (const auto& image : observations) images.push_back(&image);
   std::set<LandmarkId> sent;
   for (const auto& [id, p_odom] : sent_landmarks_) sent.insert(id);

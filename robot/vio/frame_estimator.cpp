@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -93,8 +94,8 @@ Refinement refined(const LocalState& prediction,
     delta = -prediction.covariance.leftCols<6>() * (gain * b);
     result.state.state = retracted(prediction.state, delta);
   }
-  const Eigen::Matrix<double, 15, 6> PE = prediction.covariance.leftCols<6>();
-  result.state.covariance = prediction.covariance - PE * (gain * system.H) * PE.transpose();
+  const Eigen::Matrix<double, 15, 6> C = prediction.covariance.leftCols<6>();
+  result.state.covariance = prediction.covariance - C * (gain * system.H) * C.transpose();
   result.inliers = system.inliers;
   return result;
 }
@@ -149,10 +150,8 @@ double median(std::vector<double>& values) {
 
 }  // namespace
 
-FrameEstimator::FrameEstimator(const RectifiedStereo& stereo,
-                               const ImuNoise& noise,
-                               const Config& config)
-    : stereo_(stereo), noise_(inflated(noise, config.noise)), config_(config) {}
+FrameEstimator::FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config)
+    : stereo_(std::move(stereo)), noise_(inflated(noise, config.noise)), config_(config) {}
 
 void FrameEstimator::update(std::shared_ptr<const WindowEstimate> window) {
   window_ = std::move(window);

@@ -32,7 +32,7 @@ class FrameEstimator {
     int outliers = 0;  ///< of these, given up by the refinement
   };
 
-  FrameEstimator(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config);
+  FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config);
 
   void update(std::shared_ptr<const WindowEstimate> window);
 

@@ -1,5 +1,7 @@
 #include "robot/vio/gauge_factor.hpp"
 
+#include <utility>
+
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -12,8 +14,8 @@ Eigen::Matrix<double, 4, 6> yaw_and_position_jacobian(const Pose& T_odom_body) {
   return J;
 }
 
-GaugeFactor::GaugeFactor(const Pose& held, const PoseParameters* first_estimate)
-    : held_(held), first_estimate_(first_estimate) {}
+GaugeFactor::GaugeFactor(Pose held, const PoseParameters* first_estimate)
+    : held_(std::move(held)), first_estimate_(first_estimate) {}
 
 bool GaugeFactor::Evaluate(const double* const* parameters,
                            double* residuals,

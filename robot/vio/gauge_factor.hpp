@@ -14,7 +14,7 @@ class GaugeFactor final : public ceres::SizedCostFunction<4, 7> {
   static constexpr double kSigma = 1e-3;  ///< [rad, m]
 
   /// @param first_estimate  where the Jacobian is taken; null: at the current value
-  explicit GaugeFactor(const Pose& held, const PoseParameters* first_estimate = nullptr);
+  explicit GaugeFactor(Pose held, const PoseParameters* first_estimate = nullptr);
   bool Evaluate(const double* const* parameters,
                 double* residuals,
                 double** jacobians) const override;

@@ -127,10 +127,10 @@ void remove_directions(const Eigen::MatrixXd& gauge, NormalEquations& system) {
   const Eigen::MatrixXd Q =
       qr.householderQ() * Eigen::MatrixXd::Identity(gauge.rows(), gauge.cols());
   system.g -= Q * (Q.transpose() * system.g);
-  const Eigen::MatrixXd HQ = system.H * Q;
-  system.H -= HQ * Q.transpose();
-  const Eigen::MatrixXd QH = Q.transpose() * system.H;
-  system.H -= Q * QH;
+  const Eigen::MatrixXd columns = system.H * Q;
+  system.H -= columns * Q.transpose();
+  const Eigen::MatrixXd rows = Q.transpose() * system.H;
+  system.H -= Q * rows;
   system.H = 0.5 * (system.H + system.H.transpose()).eval();
 }
 

@@ -1,6 +1,7 @@
 #include "robot/vio/stereo_odometry.hpp"
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -10,8 +11,8 @@
 
 namespace fleetloc {
 
-StereoOdometry::StereoOdometry(const RectifiedStereo& stereo, const Config& config)
-    : stereo_(stereo), config_(config) {}
+StereoOdometry::StereoOdometry(RectifiedStereo stereo, const Config& config)
+    : stereo_(std::move(stereo)), config_(config) {}
 
 std::optional<Pose> StereoOdometry::add(const TrackedFrame& frame) {
   Pose T_first_body;

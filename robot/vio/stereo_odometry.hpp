@@ -22,7 +22,7 @@ class StereoOdometry {
     int iterations = 0;
     int min_inliers = 0;
   };
-  StereoOdometry(const RectifiedStereo& stereo, const Config& config);
+  StereoOdometry(RectifiedStereo stereo, const Config& config);
 
   /// Body relative to the body at the first frame; nothing if too few landmarks agree, and the
   /// odometry is then as it was before.

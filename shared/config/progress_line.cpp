@@ -37,8 +37,8 @@ std::string progress_text(const std::string& work,
   if (done > 0 && elapsed.count() > 0.0) {
     const double rate = static_cast<double>(done) / elapsed.count();
     text << "  " << std::round(rate * 10.0) / 10.0 << "/s";
-    if (done < total)
-      text << "  " << std::ceil(static_cast<double>(total - done) / rate) << " s left";
+    const double left_s = std::ceil(static_cast<double>(total - done) / rate);
+    if (done < total) text << "  " << left_s << " s left";
   }
   return text.str();
 }

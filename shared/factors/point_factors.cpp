@@ -1,13 +1,14 @@
 #include "shared/factors/point_factors.hpp"
 
 #include <cassert>
+#include <utility>
 
 namespace fleetloc {
 
-PointToPlaneFactor::PointToPlaneFactor(const Eigen::Vector3d& q_map,
+PointToPlaneFactor::PointToPlaneFactor(Eigen::Vector3d q_map,
                                        const Eigen::Vector3d& normal,
                                        double sigma_m)
-    : q_map_(q_map), whitened_normal_(normal / sigma_m) {
+    : q_map_(std::move(q_map)), whitened_normal_(normal / sigma_m) {
   assert(sigma_m > 0.0);
 }
 
@@ -22,8 +23,8 @@ bool PointToPlaneFactor::Evaluate(const double* const* parameters,
   return true;
 }
 
-PointToPointFactor::PointToPointFactor(const Eigen::Vector3d& q_map, double sigma_m)
-    : q_map_(q_map), inverse_sigma_(1.0 / sigma_m) {
+PointToPointFactor::PointToPointFactor(Eigen::Vector3d q_map, double sigma_m)
+    : q_map_(std::move(q_map)), inverse_sigma_(1.0 / sigma_m) {
   assert(sigma_m > 0.0);
 }
 

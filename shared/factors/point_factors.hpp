@@ -9,7 +9,7 @@ namespace fleetloc {
 /// Point to plane (paper, eq. 16), whitened: n . (p - q) / sigma. Parameters: p_map (3).
 class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
  public:
-  PointToPlaneFactor(const Eigen::Vector3d& q_map, const Eigen::Vector3d& normal, double sigma_m);
+  PointToPlaneFactor(Eigen::Vector3d q_map, const Eigen::Vector3d& normal, double sigma_m);
   bool Evaluate(const double* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
@@ -22,7 +22,7 @@ class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
 /// Point to point (paper, eq. 15), whitened: (p - q) / sigma. Parameters: p_map (3).
 class PointToPointFactor final : public ceres::SizedCostFunction<3, 3> {
  public:
-  PointToPointFactor(const Eigen::Vector3d& q_map, double sigma_m);
+  PointToPointFactor(Eigen::Vector3d q_map, double sigma_m);
   bool Evaluate(const double* const* parameters,
                 double* residuals,
                 double** jacobians) const override;

@@ -1,5 +1,6 @@
 #include "shared/simulation/room_trajectory.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -17,13 +18,16 @@ struct Sine {
 
 // Slow terms are the way, fast ones shake like a flying robot.
 constexpr double kQuarter = 0.5 * std::numbers::pi;
-constexpr Sine kX[] = {{3.0, 1, kQuarter}, {0.30, 3, 0.4}, {0.020, 11, 1.0}, {0.006, 23, 0.2}};
-constexpr Sine kY[] = {{2.2, 1, 0.0}, {0.25, 2, 1.1}, {0.020, 10, 2.0}, {0.006, 21, 0.7}};
-constexpr Sine kZ[] = {{0.35, 2, 0.3}, {0.10, 5, 2.2}, {0.020, 12, 0.5}, {0.006, 25, 1.9}};
+constexpr std::array kX{
+    Sine{3.0, 1, kQuarter}, Sine{0.30, 3, 0.4}, Sine{0.020, 11, 1.0}, Sine{0.006, 23, 0.2}};
+constexpr std::array kY{
+    Sine{2.2, 1, 0.0}, Sine{0.25, 2, 1.1}, Sine{0.020, 10, 2.0}, Sine{0.006, 21, 0.7}};
+constexpr std::array kZ{
+    Sine{0.35, 2, 0.3}, Sine{0.10, 5, 2.2}, Sine{0.020, 12, 0.5}, Sine{0.006, 25, 1.9}};
 constexpr double kHeight = 1.7;  // [m]
-constexpr Sine kYaw[] = {{0.25, 2, 0.9}, {0.05, 7, 2.5}, {0.004, 19, 0.1}};
-constexpr Sine kPitch[] = {{0.10, 3, 1.7}, {0.04, 8, 0.6}, {0.004, 17, 2.1}};
-constexpr Sine kRoll[] = {{0.12, 2, 2.6}, {0.04, 9, 1.3}, {0.004, 22, 0.8}};
+constexpr std::array kYaw{Sine{0.25, 2, 0.9}, Sine{0.05, 7, 2.5}, Sine{0.004, 19, 0.1}};
+constexpr std::array kPitch{Sine{0.10, 3, 1.7}, Sine{0.04, 8, 0.6}, Sine{0.004, 17, 2.1}};
+constexpr std::array kRoll{Sine{0.12, 2, 2.6}, Sine{0.04, 9, 1.3}, Sine{0.004, 22, 0.8}};
 constexpr double kYawInwards = 0.3;  // from the way's direction to the middle of the room [rad]
 
 // A function of the curve's parameter or of time, with two derivatives.

@@ -87,6 +87,7 @@ class View {
 
 SimulatedRun::SimulatedRun(const Config& config)
     : config_(config),
+      noise_(kNoise),
       stereo_(make_stereo()),
       trajectory_(config.rest_s, config.speed),
       landmarks_(
@@ -100,7 +101,7 @@ const RectifiedStereo& SimulatedRun::stereo() const {
 }
 
 const ImuNoise& SimulatedRun::noise() const {
-  return kNoise;
+  return noise_;
 }
 
 NavState SimulatedRun::truth(Timestamp stamp) const {

@@ -69,6 +69,7 @@ class SimulatedRun {
                                            const Pose& T_cam0_room) const;
 
   Config config_;
+  ImuNoise noise_;
   RectifiedStereo stereo_;
   RoomTrajectory trajectory_;
   Room room_;

@@ -53,7 +53,7 @@ class BusyFusion {
 
 void imu_sample(benchmark::State& state) {
   BusyFusion fusion;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(fusion.add_imu());
     if (fusion.frame_is_due()) {
       state.PauseTiming();
@@ -67,7 +67,7 @@ BENCHMARK(imu_sample)->Unit(benchmark::kMicrosecond);
 // With all that is replayed: 10 samples on each frame.
 void imu_sample_and_its_share_of_frames(benchmark::State& state) {
   BusyFusion fusion;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(fusion.add_imu());
     if (fusion.frame_is_due()) {
       fusion.add_frame();
@@ -78,7 +78,7 @@ BENCHMARK(imu_sample_and_its_share_of_frames)->Unit(benchmark::kMicrosecond);
 
 void answer_five_seconds_late(benchmark::State& state) {
   BusyFusion fusion;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     fusion.add_answer(fusion.now() - 5.0);
   }
 }

@@ -23,7 +23,7 @@ SimulatedRun without_landmarks() {
 void preintegrate(benchmark::State& state) {
   const SimulatedRun run = without_landmarks();
   const auto samples = run.imu(at(1.0), at(1.0 + 0.005 * static_cast<double>(state.range(0))));
-  for ([[maybe_unused]] auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(Preintegration(samples, {}, run.noise()));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
@@ -40,12 +40,13 @@ void evaluate_imu_factor(benchmark::State& state) {
   const auto speed_1 = to_speed_bias(first);
   const auto pose_2 = to_parameters(second.T_odom_body);
   const auto speed_2 = to_speed_bias(second);
-  const double* parameters[] = {pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
+  const std::array parameters{pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
   std::array<double, 15> residuals{};
-  std::array<std::array<double, 15 * 9>, 4> J{};
-  double* jacobians[] = {J[0].data(), J[1].data(), J[2].data(), J[3].data()};
-  for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(factor.Evaluate(parameters, residuals.data(), jacobians));
+  std::array<std::array<double, 135>, 4> J{};  // 15 x 9 at most
+  std::array jacobians{J[0].data(), J[1].data(), J[2].data(), J[3].data()};
+  while (state.KeepRunning()) {
+    benchmark::DoNotOptimize(
+        factor.Evaluate(parameters.data(), residuals.data(), jacobians.data()));
     benchmark::ClobberMemory();
   }
 }
@@ -55,7 +56,7 @@ BENCHMARK(evaluate_imu_factor);
 void make_imu_factor(benchmark::State& state) {
   const SimulatedRun run = without_landmarks();
   const Preintegration preintegration(run.imu(at(1.0), at(1.3)), {}, run.noise());
-  for ([[maybe_unused]] auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(ImuFactor(preintegration));
   }
 }

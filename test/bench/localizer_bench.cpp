@@ -12,6 +12,7 @@ constexpr int kWindow = 40;
 std::vector<Submap> submaps(int count) {
   const SimulatedSession robot({.seed = 5});
   std::vector<Submap> result;
+  result.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) result.push_back(robot.submap(i));
   return result;
 }
@@ -23,7 +24,7 @@ void following_submap(benchmark::State& state) {
   for (; next < kWindow; ++next) localizer.add(robot.submap(next));
   localizer.localize();
   int localized = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     state.PauseTiming();
     const Submap submap = robot.submap(next++);
     state.ResumeTiming();
@@ -39,7 +40,7 @@ BENCHMARK(following_submap)->Unit(benchmark::kMillisecond)->Iterations(100);
 void first_window(benchmark::State& state) {
   const SimulatedSession robot({.seed = 5});
   const std::vector<Submap> window = submaps(kWindow);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     SessionLocalizer localizer(robot.session(), room_map(), localizer_config());
     for (const Submap& submap : window) localizer.add(submap);
     benchmark::DoNotOptimize(localizer.localize());

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include <opencv2/core/utility.hpp>
-#include <time.h>
 
 #include "robot/tracking/feature_tracker.hpp"
 #include "shared/config/default_config.hpp"
+#include "shared/core/cpu_time.hpp"
 #include "shared/dataset/dataset_reader.hpp"
 #include "shared/geometry/so3.hpp"
 
@@ -23,9 +23,7 @@ namespace fleetloc {
 namespace {
 
 double thread_cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+  return 1e3 * to_seconds(thread_cpu_time());
 }
 
 class Figure {
@@ -151,8 +149,9 @@ int main(int argc, char** argv) {
   try {
     cv::setNumThreads(1);
     std::optional<Eigen::Vector3d> bias;
-    if (argc == 5)
-      bias = Eigen::Vector3d(std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4]));
+    if (argc == 5) {
+      bias = Eigen::Vector3d(std::stod(argv[2]), std::stod(argv[3]), std::stod(argv[4]));
+    }
     fleetloc::run(argv[1], bias);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tracking_bench: %s\n", error.what());

@@ -55,13 +55,13 @@ struct Flight {
   }
 };
 
-void BM_Keyframe(benchmark::State& state) {
+void add_keyframe(benchmark::State& state) {
   const Flight flight;
   SlidingWindow window = flight.window();
   std::size_t next = 10;
   double iterations = 0.0;
   double observations = 0.0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     if (next == flight.keyframes.size()) {
       state.PauseTiming();
       window = flight.window();
@@ -76,23 +76,23 @@ void BM_Keyframe(benchmark::State& state) {
   state.counters["observations"] =
       benchmark::Counter(observations, benchmark::Counter::kAvgIterations);
 }
-BENCHMARK(BM_Keyframe)->Unit(benchmark::kMillisecond);
+BENCHMARK(add_keyframe)->Unit(benchmark::kMillisecond);
 
-void BM_Frame(benchmark::State& state) {
+void estimate_frame(benchmark::State& state) {
   const Flight flight;
   FrameEstimator estimator(flight.run.stereo(), flight.run.noise(), flight.config.frame_estimator);
   estimator.update(std::make_shared<WindowEstimate>(flight.window().estimate()));
   const TrackedFrame frame =
       flight.run.frame(9 * kKeyframeFrames + static_cast<int>(state.range(0)));
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(estimator.estimate(frame, flight.imu));
   }
 }
-BENCHMARK(BM_Frame)->Arg(1)->Arg(8)->Unit(benchmark::kMicrosecond);
+BENCHMARK(estimate_frame)->Arg(1)->Arg(8)->Unit(benchmark::kMicrosecond);
 
-void BM_Initialization(benchmark::State& state) {
+void initialize(benchmark::State& state) {
   const Flight flight;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     Initializer initializer(flight.run.stereo(), flight.run.noise(), flight.config.initializer);
     std::optional<Initialization> result;
     for (int i = 0; i < 60 && !result.has_value(); ++i) {
@@ -104,7 +104,7 @@ void BM_Initialization(benchmark::State& state) {
     benchmark::DoNotOptimize(result);
   }
 }
-BENCHMARK(BM_Initialization)->Unit(benchmark::kMillisecond);
+BENCHMARK(initialize)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace fleetloc

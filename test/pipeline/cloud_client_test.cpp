@@ -42,7 +42,8 @@ RobotSession some_session() {
 /// A client, and the bare ends of two localizers.
 class CloudClientTest : public testing::Test {
  protected:
-  void announce(Channel& end, const std::string& name, double load, int ms, bool accepting = true) {
+  static void announce(
+      Channel& end, const std::string& name, double load, int ms, bool accepting = true) {
     end.send("",
              {Topic::kLocalizerStatus,
               encode(LocalizerStatus{.localizer = name,
@@ -54,7 +55,7 @@ class CloudClientTest : public testing::Test {
              at(ms));
   }
 
-  Answer answer(const std::string& localizer, std::uint32_t keyframe) const {
+  static Answer answer(const std::string& localizer, std::uint32_t keyframe) {
     Answer answer;
     answer.robot = "robot";
     answer.session = SessionNumber{1};

@@ -63,8 +63,9 @@ TEST(BytesType, SurvivesRandomBytes) {
     std::ranges::generate(bytes, [&] { return static_cast<std::uint8_t>(random()); });
     bytes[0] = 0;  // plain CDR, so that the decoder looks further
     bytes[1] = 1;
-    if (round % 2 == 0)
+    if (round % 2 == 0) {
       std::fill_n(bytes.begin() + 5, std::min<std::size_t>(3, bytes.size() - 5), 0);
+    }
     key_of(bytes);
   }
 }

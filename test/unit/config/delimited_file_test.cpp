@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 DelimitedFile file_with(const std::string& content, char separator) {
   const std::string file = (test_folder() / "fleetloc_delimited_file.txt").string();
   std::ofstream(file) << content;
-  return DelimitedFile(file, separator);
+  return {file, separator};
 }
 
 template <typename Call>

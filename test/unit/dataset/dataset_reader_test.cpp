@@ -20,10 +20,10 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr std::int64_t kStart_ns = 1'403'636'579'758'555'392;  // more digits than a double holds
+constexpr std::int64_t kStartNs = 1'403'636'579'758'555'392;  // more digits than a double holds
 
 Timestamp at_ms(std::int64_t milliseconds) {
-  return Timestamp(Duration(kStart_ns) + std::chrono::milliseconds(milliseconds));
+  return Timestamp(Duration(kStartNs) + std::chrono::milliseconds(milliseconds));
 }
 
 /// A gradient, so that JPEG changes it little; different for each frame and camera.
@@ -69,7 +69,7 @@ class Dataset : public ::testing::Test {
  protected:
   Dataset() { std::filesystem::remove_all(folder_); }
 
-  DatasetWriter writer(ImageFormat format = ImageFormat::kPng) const {
+  [[nodiscard]] DatasetWriter writer(ImageFormat format = ImageFormat::kPng) const {
     return DatasetWriter({.folder = folder_,
                           .calibration = calibration(),
                           .imu_noise = kNoise,
@@ -297,7 +297,7 @@ TEST_F(Dataset, StatesPosesInTheImusFrame) {
 TEST_F(Dataset, NamesFileAndLineOfAStampThatIsNotLater) {
   write_all();
   edit("imu0/data.csv", [](int number, const std::string& line) {
-    return number == 40 ? std::to_string(kStart_ns) + line.substr(19) : line;
+    return number == 40 ? std::to_string(kStartNs) + line.substr(19) : line;
   });
   EXPECT_THAT(error_of_playing(), HasSubstr("imu0/data.csv:40: the stamp is not later"));
 }
@@ -313,7 +313,7 @@ TEST_F(Dataset, NamesFileAndLineOfALineThatIsCutOff) {
 TEST_F(Dataset, NamesFileAndLineOfAnUnsortedImageList) {
   write_all();
   edit("cam1/data.csv", [](int number, const std::string& line) {
-    return number == 5 ? std::to_string(kStart_ns) + line.substr(19) : line;
+    return number == 5 ? std::to_string(kStartNs) + line.substr(19) : line;
   });
   EXPECT_THAT(error_of_playing(), HasSubstr("cam1/data.csv:5: the stamp is not later"));
 }

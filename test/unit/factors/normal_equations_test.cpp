@@ -57,7 +57,7 @@ class NormalEquationsTest : public testing::Test {
     costs_.push_back(std::move(cost));
   }
 
-  std::vector<ParameterBlock> pose_blocks() const {
+  [[nodiscard]] std::vector<ParameterBlock> pose_blocks() const {
     std::vector<ParameterBlock> kept;
     for (const PoseParameters& pose : poses_) {
       kept.push_back({pose.data(), 6});
@@ -65,7 +65,7 @@ class NormalEquationsTest : public testing::Test {
     return kept;
   }
 
-  std::vector<const double*> point_pointers() const {
+  [[nodiscard]] std::vector<const double*> point_pointers() const {
     std::vector<const double*> pointers;
     for (const PointParameters& point : points_) {
       pointers.push_back(point.data());
@@ -74,7 +74,7 @@ class NormalEquationsTest : public testing::Test {
   }
 
   // Everything kept: poses, then points.
-  NormalEquations dense() const {
+  [[nodiscard]] NormalEquations dense() const {
     std::vector<ParameterBlock> kept = pose_blocks();
     for (const PointParameters& point : points_) {
       kept.push_back({point.data(), 3});

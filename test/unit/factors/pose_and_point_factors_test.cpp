@@ -7,34 +7,30 @@
 namespace fleetloc {
 namespace {
 
-Vector6d vector(double a, double b, double c, double d, double e, double f) {
-  return (Vector6d() << a, b, c, d, e, f).finished();
-}
-
 // Full, positive definite, badly scaled.
 Matrix6d some_information() {
   Matrix6d A;
   for (int i = 0; i < 36; ++i) {
     A(i / 6, i % 6) = std::sin(1.0 + 7.0 * i);
   }
-  const Matrix6d scaled = vector(30, 20, 50, 3, 4, 5).asDiagonal() * A;
+  const Matrix6d scaled = Vector6d(30.0, 20.0, 50.0, 3.0, 4.0, 5.0).asDiagonal() * A;
   return scaled * scaled.transpose() + Matrix6d::Identity();
 }
 
 TEST(RelativePoseFactor, JacobiansAreTheNumericOnes) {
-  const Pose T_w_a = exp_se3(vector(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
+  const Pose T_w_a = exp_se3(Vector6d(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
   for (const double size : {0.0, 0.01, 0.7}) {
-    const Pose T_a_b = exp_se3(vector(0.2, 0.1, -0.3, 1.0, 0.5, -0.2));
-    const Pose T_w_b = retract(T_w_a * T_a_b, size * vector(1.0, -0.6, 0.4, -0.8, 0.5, 0.9));
+    const Pose T_a_b = exp_se3(Vector6d(0.2, 0.1, -0.3, 1.0, 0.5, -0.2));
+    const Pose T_w_b = retract(T_w_a * T_a_b, size * Vector6d(1.0, -0.6, 0.4, -0.8, 0.5, 0.9));
     const RelativePoseFactor factor(T_a_b, some_information());
     expect_numeric_jacobians(factor, {block_of(T_w_a), block_of(T_w_b)});
   }
 }
 
 TEST(RelativePoseFactor, IsTheWhitenedLogarithm) {
-  const Pose T_w_a = exp_se3(vector(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
-  const Pose T_a_b = exp_se3(vector(0.2, 0.1, -0.3, 1.0, 0.5, -0.2));
-  const Vector6d error = vector(0.1, -0.2, 0.05, 0.3, 0.2, -0.1);
+  const Pose T_w_a = exp_se3(Vector6d(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
+  const Pose T_a_b = exp_se3(Vector6d(0.2, 0.1, -0.3, 1.0, 0.5, -0.2));
+  const Vector6d error = Vector6d(0.1, -0.2, 0.05, 0.3, 0.2, -0.1);
   const RelativePoseFactor factor(T_a_b, some_information());
   const Eigen::VectorXd r =
       residual_of(factor, {block_of(T_w_a), block_of(retract(T_w_a * T_a_b, error))});
@@ -43,8 +39,8 @@ TEST(RelativePoseFactor, IsTheWhitenedLogarithm) {
 }
 
 TEST(PosePriorFactor, JacobianIsTheNumericOneAndTheResidualWhitened) {
-  const Pose T_prior = exp_se3(vector(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
-  const Vector6d error = vector(0.3, -0.2, 0.4, 0.3, 0.2, -0.1);
+  const Pose T_prior = exp_se3(Vector6d(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
+  const Vector6d error = Vector6d(0.3, -0.2, 0.4, 0.3, 0.2, -0.1);
   const PosePriorFactor factor(T_prior, some_information());
   const std::vector<double> pose = block_of(retract(T_prior, error));
   expect_numeric_jacobians(factor, {pose});
@@ -54,7 +50,7 @@ TEST(PosePriorFactor, JacobianIsTheNumericOneAndTheResidualWhitened) {
 
 TEST(SquareRoot, KeepsNullDirectionsNull) {
   Matrix6d information = some_information();
-  const Vector6d null = vector(1, 2, -1, 0.5, 0.3, 1).normalized();
+  const Vector6d null = Vector6d(1, 2, -1, 0.5, 0.3, 1).normalized();
   const Matrix6d P = Matrix6d::Identity() - null * null.transpose();
   information = P * information * P;
   const Matrix6d S = square_root(information);

@@ -7,16 +7,12 @@
 namespace fleetloc {
 namespace {
 
-Vector6d vector(double a, double b, double c, double d, double e, double f) {
-  return (Vector6d() << a, b, c, d, e, f).finished();
-}
-
 RectifiedStereo some_stereo() {
-  return {435.0, {370.0, 245.0}, 0.11, exp_se3(vector(0.1, -0.2, 1.5, 0.02, -0.06, 0.01))};
+  return {435.0, {370.0, 245.0}, 0.11, exp_se3(Vector6d(0.1, -0.2, 1.5, 0.02, -0.06, 0.01))};
 }
 
 struct Scene {
-  Pose T_world_body = exp_se3(vector(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
+  Pose T_world_body = exp_se3(Vector6d(0.5, -0.4, 1.2, 3.0, -1.0, 2.0));
   Eigen::Vector3d p_cam0{0.7, -0.4, 3.0};
   Eigen::Vector3d p_world = T_world_body * (some_stereo().T_body_cam0 * p_cam0);
   StereoObservation observation;
@@ -26,12 +22,13 @@ struct Scene {
     observation.left = pixel.head<2>();
     observation.disparity = pixel(0) - pixel(2);
   }
-  std::vector<std::vector<double>> parameters(const Vector6d& move = Vector6d::Zero()) const {
+  [[nodiscard]] std::vector<std::vector<double>> parameters(
+      const Vector6d& move = Vector6d::Zero()) const {
     return {block_of(retract(T_world_body, move)), block_of(p_world)};
   }
 };
 
-const Vector6d kMove = vector(0.02, -0.03, 0.01, 0.1, -0.05, 0.08);
+const Vector6d kMove = Vector6d(0.02, -0.03, 0.01, 0.1, -0.05, 0.08);
 
 TEST(StereoReprojectionFactor, JacobiansAreTheNumericOnes) {
   const Scene scene;

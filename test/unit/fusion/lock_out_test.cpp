@@ -29,7 +29,7 @@ class LockOut : public testing::Test {
     fed_.drive_to(to_seconds(fed_.output.stamp - Timestamp{}) + 0.01);
     return fed_.output.quality;
   }
-  double position_error() const {
+  [[nodiscard]] double position_error() const {
     return (fed_.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm();
   }
 

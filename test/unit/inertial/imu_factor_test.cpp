@@ -34,8 +34,8 @@ struct Evaluation {
   Blocks jacobians;
 
   // By the tangent of one state, in the order of NavState.
-  [[nodiscard]] Matrix15d J(int state) const {
-    const auto pose = static_cast<std::size_t>(2 * state);
+  [[nodiscard]] Matrix15d jacobian(int state) const {
+    const std::size_t pose = 2 * static_cast<std::size_t>(state);
     Matrix15d result;
     result << jacobians[pose].leftCols<6>(), jacobians[pose + 1];
     return result;
@@ -47,14 +47,14 @@ Evaluation evaluate(const ImuFactor& factor, const NavState& first, const NavSta
   const auto speed_1 = to_speed_bias(first);
   const auto pose_2 = to_parameters(second.T_odom_body);
   const auto speed_2 = to_speed_bias(second);
-  const double* parameters[] = {pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
+  const std::array parameters{pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
   Evaluation result;
   std::array<double*, 4> jacobians{};
   for (std::size_t i = 0; i < 4; ++i) {
     result.jacobians[i].setConstant(15, i % 2 == 0 ? 7 : 9, 1e9);
     jacobians[i] = result.jacobians[i].data();
   }
-  EXPECT_TRUE(factor.Evaluate(parameters, result.residual.data(), jacobians.data()));
+  EXPECT_TRUE(factor.Evaluate(parameters.data(), result.residual.data(), jacobians.data()));
   return result;
 }
 
@@ -138,8 +138,8 @@ TEST(ImuFactor, JacobiansMatchDifferencesInCeresOrder) {
   });
   for (int row = 0; row < 15; ++row) {
     const double scale = first.row(row).norm();
-    EXPECT_LT((first - here.J(0)).row(row).norm(), 1e-7 * scale) << row;
-    EXPECT_LT((second - here.J(1)).row(row).norm(), 1e-7 * scale) << row;
+    EXPECT_LT((first - here.jacobian(0)).row(row).norm(), 1e-7 * scale) << row;
+    EXPECT_LT((second - here.jacobian(1)).row(row).norm(), 1e-7 * scale) << row;
   }
   EXPECT_EQ(here.jacobians[0].col(6).norm(), 0.0);
   EXPECT_EQ(here.jacobians[2].col(6).norm(), 0.0);
@@ -153,13 +153,13 @@ TEST(ImuFactor, WritesOnlyTheJacobiansThatAreAskedFor) {
   const auto speed_1 = to_speed_bias(scene.first);
   const auto pose_2 = to_parameters(scene.second.T_odom_body);
   const auto speed_2 = to_speed_bias(scene.second);
-  const double* parameters[] = {pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
+  const std::array parameters{pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
   Vector15d residual;
-  EXPECT_TRUE(factor.Evaluate(parameters, residual.data(), nullptr));
+  EXPECT_TRUE(factor.Evaluate(parameters.data(), residual.data(), nullptr));
   EXPECT_EQ(residual, all.residual);
   Eigen::Matrix<double, 15, 9, Eigen::RowMajor> J;
-  double* jacobians[] = {nullptr, nullptr, nullptr, J.data()};
-  EXPECT_TRUE(factor.Evaluate(parameters, residual.data(), jacobians));
+  std::array<double*, 4> jacobians{nullptr, nullptr, nullptr, J.data()};
+  EXPECT_TRUE(factor.Evaluate(parameters.data(), residual.data(), jacobians.data()));
   EXPECT_EQ(J, all.jacobians[3]);
 }
 
@@ -174,9 +174,10 @@ TEST(ImuFactor, TakesJacobiansAtFirstEstimatesAndTheResidualAtTheCurrentValue) {
   const Evaluation found = evaluate(first, scene.first, scene.second);
   EXPECT_EQ(found.residual, evaluate(current, scene.first, scene.second).residual);
   const Evaluation expected = evaluate(current, old, scene.second);
-  EXPECT_EQ(found.J(0), expected.J(0));
-  EXPECT_EQ(found.J(1), expected.J(1));
-  EXPECT_GT((found.J(0) - evaluate(current, scene.first, scene.second).J(0)).norm(), 1.0);
+  EXPECT_EQ(found.jacobian(0), expected.jacobian(0));
+  EXPECT_EQ(found.jacobian(1), expected.jacobian(1));
+  EXPECT_GT((found.jacobian(0) - evaluate(current, scene.first, scene.second).jacobian(0)).norm(),
+            1.0);
 }
 
 TEST(ImuFactor, HonoursEveryFirstEstimateOnItsOwn) {
@@ -189,14 +190,14 @@ TEST(ImuFactor, HonoursEveryFirstEstimateOnItsOwn) {
   NavState mixed = scene.second;
   mixed.T_odom_body = old.T_odom_body;
   const ImuFactor by_pose(scene.preintegration, {}, {&pose, nullptr});
-  EXPECT_EQ(evaluate(by_pose, scene.first, scene.second).J(1),
-            evaluate(current, scene.first, mixed).J(1));
+  EXPECT_EQ(evaluate(by_pose, scene.first, scene.second).jacobian(1),
+            evaluate(current, scene.first, mixed).jacobian(1));
 
   mixed = old;
   mixed.T_odom_body = scene.second.T_odom_body;
   const ImuFactor by_speed(scene.preintegration, {}, {nullptr, &speed_bias});
-  EXPECT_EQ(evaluate(by_speed, scene.first, scene.second).J(1),
-            evaluate(current, scene.first, mixed).J(1));
+  EXPECT_EQ(evaluate(by_speed, scene.first, scene.second).jacobian(1),
+            evaluate(current, scene.first, mixed).jacobian(1));
 }
 
 TEST(SpeedBias, SurvivesTheWayToParametersAndBack) {

@@ -1,3 +1,4 @@
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -140,9 +141,9 @@ TEST(PreintegrationNoise, WhitenedErrorOfTheTruthHasFifteenDegreesOfFreedom) {
       const auto speed_1 = to_speed_bias(first);
       const auto pose_2 = to_parameters(second.T_odom_body);
       const auto speed_2 = to_speed_bias(second);
-      const double* blocks[] = {pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
+      const std::array blocks{pose_1.data(), speed_1.data(), pose_2.data(), speed_2.data()};
       Vector15d residual;
-      factor.Evaluate(blocks, residual.data(), nullptr);
+      factor.Evaluate(blocks.data(), residual.data(), nullptr);
       mean += residual.squaredNorm();
       ++count;
     }

@@ -53,6 +53,7 @@ TEST(BuildMap, HasLowPlanarityInAVolumeAndOnALine) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(-0.5F, 0.5F);
   std::vector<Eigen::Vector3f> volume;
+  volume.reserve(20000);
   for (int i = 0; i < 20000; ++i) {
     volume.emplace_back(uniform(random), uniform(random), uniform(random));
   }
@@ -60,6 +61,7 @@ TEST(BuildMap, HasLowPlanarityInAVolumeAndOnALine) {
   EXPECT_LT(planar_share(filled, 0.6), 0.02);
 
   std::vector<Eigen::Vector3f> line;
+  line.reserve(1000);
   for (int i = 0; i < 1000; ++i) line.emplace_back(0.001F * static_cast<float>(i), 0.0F, 0.0F);
   const LaserMap wire = build_map(line, "map", default_map_config());
   for (const MapPoint& point : wire.points()) EXPECT_EQ(point.planarity, 0.0F);

@@ -12,6 +12,7 @@ namespace {
 
 LaserMap map_of(const std::vector<Eigen::Vector3f>& positions) {
   std::vector<MapPoint> points;
+  points.reserve(positions.size());
   for (const Eigen::Vector3f& p_map : positions) points.push_back({.p_map = p_map});
   return LaserMap(std::move(points), {.frame = "map", .resolution_m = 0.1});
 }

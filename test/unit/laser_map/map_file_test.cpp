@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 
 LaserMap small_map() {
   std::vector<MapPoint> points;
+  points.reserve(50);
   for (int i = 0; i < 50; ++i) {
     points.push_back({.p_map = Eigen::Vector3f::Random(),
                       .normal = Eigen::Vector3f::Random().normalized(),
@@ -30,7 +31,7 @@ LaserMap small_map() {
                .min = {-1.0, -0.1, 1.0 / 3.0},
                .max = {1.0, 1.0, 2.0},
                .hash = map_hash(points)};
-  return LaserMap(std::move(points), info);
+  return {std::move(points), info};
 }
 
 /// A folder of its own for each test, with the small map in it.
@@ -49,7 +50,7 @@ class MapFile : public ::testing::Test {
   static void write(const std::filesystem::path& file, const std::string& content) {
     std::ofstream(file, std::ios::binary) << content;
   }
-  std::string load_error() const {
+  [[nodiscard]] std::string load_error() const {
     try {
       load_map(pcd_);
     } catch (const MapFileError& error) {

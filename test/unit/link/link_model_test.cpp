@@ -17,6 +17,7 @@ constexpr Timestamp kStart{std::chrono::seconds(100)};
 
 std::vector<std::optional<Timestamp>> fates(LinkModel link, int datagrams) {
   std::vector<std::optional<Timestamp>> arrivals;
+  arrivals.reserve(static_cast<std::size_t>(datagrams));
   for (int i = 0; i < datagrams; ++i) {
     arrivals.push_back(link.arrival(kStart + milliseconds(i), 100));
   }

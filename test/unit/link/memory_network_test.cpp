@@ -25,6 +25,7 @@ Message message(Topic topic, std::uint8_t content, std::size_t size = 100) {
 
 std::vector<int> contents(const std::vector<Message>& messages) {
   std::vector<int> contents;
+  contents.reserve(messages.size());
   for (const Message& message : messages) contents.push_back(message.payload.front());
   return contents;
 }

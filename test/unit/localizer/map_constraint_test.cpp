@@ -1,4 +1,6 @@
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include <Eigen/LU>
@@ -23,7 +25,7 @@ std::vector<MapMatch> matches_on(const std::vector<Eigen::Vector3d>& normals, in
   for (const Eigen::Vector3d& normal : normals) {
     const CounterRandom random(7, matches.size());
     for (int i = 0; i < per_plane; ++i) {
-      const auto counter = static_cast<std::uint64_t>(2 * i);
+      const std::uint64_t counter = 2 * static_cast<std::uint64_t>(i);
       MapMatch match;
       Eigen::Vector3d along = 2.0 * random.normal3(counter);
       along -= normal * normal.dot(along);
@@ -42,17 +44,17 @@ TEST(TiltFactor, HasTheJacobianOfItsResidualAndIsBlindToYawAndPosition) {
   const TiltFactor factor(Eigen::Vector3d(0.1, -0.3, 0.9).normalized(), 0.01);
   const auto residual = [&](const Pose& T) {
     const PoseParameters values = to_parameters(T);
-    const double* parameters[] = {values.data()};
+    const std::array<const double*, 1> parameters{values.data()};
     Eigen::Vector2d r;
-    factor.Evaluate(parameters, r.data(), nullptr);
+    factor.Evaluate(parameters.data(), r.data(), nullptr);
     return r;
   };
   const PoseParameters values = to_parameters(kPose);
-  const double* parameters[] = {values.data()};
+  const std::array<const double*, 1> parameters{values.data()};
   Eigen::Vector2d r;
   Eigen::Matrix<double, 2, 7, Eigen::RowMajor> J;
-  double* jacobians[] = {J.data()};
-  factor.Evaluate(parameters, r.data(), jacobians);
+  std::array jacobians{J.data()};
+  factor.Evaluate(parameters.data(), r.data(), jacobians.data());
   for (int i = 0; i < 6; ++i) {
     const Vector6d step = 1e-6 * Vector6d::Unit(i);
     const Eigen::Vector2d numeric =
@@ -124,8 +126,9 @@ TEST(PoseAnchor, HoldsWeakDirectionsOnlyAndNeverClaimsToKnowThemBetter) {
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {
   std::vector<MapPoint> points;
   for (int i = 0; i < 100; ++i) {
-    const auto x = static_cast<float>(i % 10);
-    const auto y = static_cast<float>(i / 10);
+    const std::div_t place = std::div(i, 10);
+    const auto x = static_cast<float>(place.rem);
+    const auto y = static_cast<float>(place.quot);
     points.push_back({{0.1F * x, 0.1F * y, 0.0F}, Eigen::Vector3f::UnitZ(), 1.0F});
   }
   const LaserMap map(points, {.frame = "map", .resolution_m = 0.1});

@@ -13,7 +13,9 @@ Pose at(double x) {
   return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}};
 }
 
-SubmapKeyframe keyframe(unsigned id, std::vector<unsigned> landmarks = {}, unsigned revision = 0) {
+SubmapKeyframe keyframe(unsigned id,
+                        const std::vector<unsigned>& landmarks = {},
+                        unsigned revision = 0) {
   SubmapKeyframe item;
   item.id = KeyframeId{id};
   item.revision = Revision{revision};

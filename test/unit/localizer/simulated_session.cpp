@@ -42,7 +42,7 @@ Eigen::Vector3d off_map(const Eigen::Vector3d& p_map) {
 
 // Origin at the first keyframe, gravity aligned, any yaw.
 Pose odom_at(const Pose& T_map_body, std::uint64_t seed) {
-  const double yaw = static_cast<double>(seed);
+  const auto yaw = static_cast<double>(seed);
   return {exp_so3(yaw * Eigen::Vector3d::UnitZ()), T_map_body.p};
 }
 
@@ -58,7 +58,7 @@ LaserMap map_of(const std::vector<Eigen::Vector3d>& points, double noise_m, std:
   std::vector<Eigen::Vector3f> noisy;
   noisy.reserve(points.size());
   for (const Eigen::Vector3d& p_map : points) {
-    noisy.push_back((p_map + noise_m * random.normal3(noisy.size())).cast<float>());
+    noisy.emplace_back((p_map + noise_m * random.normal3(noisy.size())).cast<float>());
   }
   return build_map(
       noisy, "room", {.resolution_m = 0.08, .normal_radius_m = 0.25, .min_neighbours = 5});

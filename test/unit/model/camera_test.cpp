@@ -22,9 +22,9 @@ Camera camera_with(Camera::Distortion distortion, const Eigen::Vector4d& coeffic
 }
 
 void expect_round_trip(const Camera& camera) {
-  for (double u = 0.0; u <= camera.width_px; u += 8.0) {
-    for (double v = 0.0; v <= camera.height_px; v += 8.0) {
-      const auto direction = unproject(camera, {u, v});
+  for (int u = 0; u <= camera.width_px; u += 8) {
+    for (int v = 0; v <= camera.height_px; v += 8) {
+      const auto direction = unproject(camera, Eigen::Vector2d(u, v));
       ASSERT_TRUE(direction) << u << " " << v;
       EXPECT_EQ(direction->z(), 1.0);
       const auto pixel = project(camera, 3.0 * *direction);

@@ -24,7 +24,7 @@ std::filesystem::path file_named(const std::string& name) {
 }
 
 std::filesystem::path write(const std::string& name, const std::string& content) {
-  const auto file = file_named(name);
+  auto file = file_named(name);
   std::ofstream(file, std::ios::binary) << content;
   return file;
 }

@@ -28,6 +28,7 @@ std::vector<std::uint32_t> selected_of(const std::vector<std::vector<StereoObser
                                        const std::vector<CandidateLandmark>& landmarks,
                                        const std::set<LandmarkId>& kept = {}) {
   std::vector<const std::vector<StereoObservation>*> views;
+  views.reserve(images.size());
   for (const auto& image : images) views.push_back(&image);
   std::vector<std::uint32_t> ids;
   for (const LandmarkId id : select_landmarks(kSelection, views, landmarks, kept)) {

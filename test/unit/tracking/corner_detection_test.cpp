@@ -32,7 +32,9 @@ TEST_F(CornerDetectionTest, SpreadsOverTheWholeImage) {
   EXPECT_EQ(corners.size(), static_cast<std::size_t>(config_.features));
   std::vector<int> quadrants(4);
   for (const auto& corner : corners) {
-    ++quadrants[static_cast<std::size_t>((corner.x < 376 ? 0 : 1) + (corner.y < 240 ? 0 : 2))];
+    const std::size_t column = corner.x < 376 ? 0 : 1;
+    const std::size_t row = corner.y < 240 ? 0 : 1;
+    ++quadrants[column + 2 * row];
   }
   for (const int quadrant : quadrants) EXPECT_NEAR(quadrant, config_.features / 4.0, 12.0);
 }

@@ -64,7 +64,7 @@ TexturedScene::TexturedScene() : wall_(smooth_noise(1200, 3)), poster_(smooth_no
 }
 
 StereoFrame TexturedScene::render(const Pose& T_world_body,
-                                  std::optional<Eigen::Vector2d> poster) const {
+                                  const std::optional<Eigen::Vector2d>& poster) const {
   return {.stamp = Timestamp{},
           .left = render(rays0_, T_world_body * calibration_.T_body_cam0, poster),
           .right = render(rays1_, T_world_body * calibration_.T_body_cam1, poster)};
@@ -72,10 +72,10 @@ StereoFrame TexturedScene::render(const Pose& T_world_body,
 
 cv::Mat TexturedScene::render(const std::vector<Eigen::Vector3d>& rays,
                               const Pose& T_world_cam,
-                              std::optional<Eigen::Vector2d> poster) const {
+                              const std::optional<Eigen::Vector2d>& poster) const {
   const cv::Size size(calibration_.cam0.width_px, calibration_.cam0.height_px);
-  const auto wall_middle = static_cast<float>(wall_.cols / 2);
-  const auto poster_middle = static_cast<float>(poster_.cols / 2);
+  const auto wall_middle = 0.5F * static_cast<float>(wall_.cols);
+  const auto poster_middle = 0.5F * static_cast<float>(poster_.cols);
   const auto half = static_cast<float>(kPosterHalf_m * kTexelsPerMeter);
   cv::Mat on_wall(size, CV_32FC2);
   cv::Mat on_poster(size, CV_32FC2);

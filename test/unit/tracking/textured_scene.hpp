@@ -26,8 +26,8 @@ class TexturedScene {
   [[nodiscard]] const RectifiedStereo& stereo() const { return stereo_; }
 
   /// @param poster  its center in x and y [m]; none: there is no poster
-  [[nodiscard]] StereoFrame render(const Pose& T_world_body,
-                                   std::optional<Eigen::Vector2d> poster = std::nullopt) const;
+  [[nodiscard]] StereoFrame render(
+      const Pose& T_world_body, const std::optional<Eigen::Vector2d>& poster = std::nullopt) const;
 
   /// The point of the wall that the rectified left pixel looks at.
   [[nodiscard]] Eigen::Vector3d wall_point(const Pose& T_world_body,
@@ -40,7 +40,7 @@ class TexturedScene {
  private:
   [[nodiscard]] cv::Mat render(const std::vector<Eigen::Vector3d>& rays,
                                const Pose& T_world_cam,
-                               std::optional<Eigen::Vector2d> poster) const;
+                               const std::optional<Eigen::Vector2d>& poster) const;
 
   StereoCalibration calibration_;
   RectifiedStereo stereo_;

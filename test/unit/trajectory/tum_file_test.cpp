@@ -45,8 +45,9 @@ TEST(TumFile, ReturnsWhatWasWritten) {
   std::ostringstream text;
   Trajectory trajectory;
   for (int i = 0; i < 20; ++i) {
+    const std::int64_t later_ns = 7L * i;
     const StampedPose pose{
-        .stamp = Timestamp(Duration(1'403'636'580'038'555'648 + 7 * i)),
+        .stamp = Timestamp(Duration(1'403'636'580'038'555'648 + later_ns)),
         .T_ref_body = {.R = exp_so3({0.3 * i, 0.1, -0.2}), .p = {0.1 * i, 1, 2}}};
     write_tum_line(text, pose.stamp, pose.T_ref_body);
     trajectory.push_back(pose);

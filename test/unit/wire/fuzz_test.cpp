@@ -19,8 +19,9 @@ constexpr int kTrials = 4'000;
 
 Bytes with_flipped_bytes(Bytes bytes, std::mt19937& random) {
   const int flips = 1 + static_cast<int>(random() % 8);
-  for (int i = 0; i < flips; ++i)
+  for (int i = 0; i < flips; ++i) {
     bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+  }
   return bytes;
 }
 
