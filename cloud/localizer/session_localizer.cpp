@@ -63,6 +63,7 @@ void SessionLocalizer::add(const Submap& submap) {
 Answer SessionLocalizer::localize() {
   assert(!database_.empty());
   diagnostics_ = {};
+  system_.reset();
   const SubmapKeyframe newest = database_.newest().item;
   const std::vector<KeyframeId> window = database_.window();
   diagnostics_.keyframes = static_cast<int>(window.size());
@@ -74,7 +75,10 @@ Answer SessionLocalizer::localize() {
   answer.map_hash = map_->info().hash;
   PoseBelief result;
   answer.status = localize_window(window, result);
-  if (answer.status != LocalizationStatus::kLocalized) return answer;
+  if (answer.status != LocalizationStatus::kLocalized) {
+    system_.reset();
+    return answer;
+  }
 
   store(result);
   const auto& honesty = config_.honesty;
@@ -82,6 +86,15 @@ Answer SessionLocalizer::localize() {
   answer.covariance = result.covariance + diagonal(honesty.floor_rad, honesty.floor_m);
   answer.T_map_odom = result.T_map_body * inverse(newest.T_odom_body);
   return answer;
+}
+
+std::optional<Correction> SessionLocalizer::correction() const {
+  if (!system_) return std::nullopt;
+  const auto knowledge = relative_knowledge(*system_, config_.corrections);
+  if (!knowledge) return std::nullopt;
+  Correction correction = map_correction(*knowledge, config_.corrections);
+  if (correction.relative_poses.empty() && correction.landmarks.empty()) return std::nullopt;
+  return correction;
 }
 
 // The pose and, without the floors, its covariance.
@@ -241,7 +254,8 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
   if (!anchor_->keyframe && !agrees_enough_to_start()) return kTooFewMatches;
 
-  const std::optional<Matrix6d> covariance = problem_.covariance(newest.id);
+  system_ = problem_.system();
+  const std::optional<Matrix6d> covariance = system_->covariance_of_newest();
   if (!covariance) return kDegenerate;
   result.covariance = config_.honesty.scale * config_.honesty.scale * *covariance;
   return add_weak_directions(hold, result) ? kLocalized : kDegenerate;

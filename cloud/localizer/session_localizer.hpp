@@ -9,6 +9,7 @@
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/map_association.hpp"
+#include "cloud/localizer/map_correction.hpp"
 #include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
@@ -88,6 +89,7 @@ class SessionLocalizer {
     Rounds rounds;
     Acceptance acceptance;
     Honesty honesty;
+    CorrectionConfig corrections;
   };
 
   SessionLocalizer(const RobotSession& session,
@@ -101,6 +103,13 @@ class SessionLocalizer {
   /// rejection leaves the stored solution as it was.
   Answer localize();
 
+  /// What the map has added to the robot's own knowledge of its latest keyframes. Nothing unless
+  /// localize() has just localized, or if the map added nothing. Robot, session, localizer and
+  /// epoch are the caller's.
+  [[nodiscard]] std::optional<Correction> correction() const;
+
+  /// The window behind the last answer; nothing unless localize() has just localized.
+  [[nodiscard]] const std::optional<WindowSystem>& system() const { return system_; }
   [[nodiscard]] const LocalizationDiagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] const SessionDatabase& database() const { return database_; }
   /// What add() has made of the items so far.
@@ -133,9 +142,10 @@ class SessionLocalizer {
   SessionDatabase database_;
   WindowProblem problem_;
   RigidAlignment alignment_;
-  std::optional<PoseAnchor> anchor_;  // none: there is no start pose
-  Association association_;           // of the last round
-  MapConstraint constraint_;          // of the last round
+  std::optional<PoseAnchor> anchor_;    // none: there is no start pose
+  Association association_;             // of the last round
+  MapConstraint constraint_;            // of the last round
+  std::optional<WindowSystem> system_;  // of the last localization, if it succeeded
   SessionDatabase::Added added_;
   LocalizationDiagnostics diagnostics_;
 };

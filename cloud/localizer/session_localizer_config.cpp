@@ -45,7 +45,8 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
           .drift = read_drift_config(section.section("drift")),
           .rounds = read_rounds(section.section("rounds")),
           .acceptance = read_acceptance(section.section("acceptance")),
-          .honesty = read_honesty(section.section("honesty"))};
+          .honesty = read_honesty(section.section("honesty")),
+          .corrections = read_correction_config(section.section("corrections"))};
 }
 
 }  // namespace fleetloc

@@ -13,6 +13,7 @@
 #include "cloud/localizer/landmark_placement.hpp"
 #include "cloud/localizer/map_match.hpp"
 #include "cloud/localizer/session_database.hpp"
+#include "cloud/localizer/window_system.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/factors/parameters.hpp"
 #include "shared/model/camera.hpp"
@@ -72,11 +73,11 @@ class WindowProblem {
   [[nodiscard]] std::vector<WindowLandmark> landmarks() const;
   [[nodiscard]] int observations() const { return observations_; }
 
-  /// Of T_map_body of `keyframe`, right perturbation, from everything in the problem. Nothing if
-  /// the system is singular.
-  [[nodiscard]] std::optional<Matrix6d> covariance(KeyframeId keyframe) const;
-  /// The same without the map and the prior, relative to a fixed keyframe `origin`: the growth of
-  /// the odometry's uncertainty from there. Zero if both are the same.
+  /// Everything in the problem, linearized at the present values.
+  [[nodiscard]] WindowSystem system() const;
+  /// The covariance of T_map_body of `keyframe` without the map and the prior, relative to a fixed
+  /// keyframe `origin`: the growth of the odometry's uncertainty from there. Zero if both are the
+  /// same, nothing if the system is singular.
   [[nodiscard]] std::optional<Matrix6d> covariance_from(KeyframeId origin,
                                                         KeyframeId keyframe) const;
 
@@ -108,6 +109,7 @@ class WindowProblem {
       std::map<LandmarkId, LandmarkNode>::iterator landmark);
   void add_tilt(const SubmapKeyframe& oldest);
   void set_match(LandmarkNode& landmark, const MapMatch* match);
+  [[nodiscard]] ResidualBlock block_of(ceres::ResidualBlockId id) const;
   [[nodiscard]] std::optional<Matrix6d> marginal(const std::vector<ceres::ResidualBlockId>& ids,
                                                  KeyframeId keyframe,
                                                  std::optional<KeyframeId> fixed) const;

@@ -140,10 +140,43 @@ std::vector<WindowLandmark> WindowProblem::landmarks() const {
   return result;
 }
 
-std::optional<Matrix6d> WindowProblem::covariance(KeyframeId keyframe) const {
-  std::vector<ceres::ResidualBlockId> ids;
-  problem_.GetResidualBlocks(&ids);
-  return marginal(ids, keyframe, std::nullopt);
+WindowSystem WindowProblem::system() const {
+  WindowSystem system;
+  std::vector<ParameterBlock> kept;
+  for (const auto& [id, node] : keyframes_) {
+    system.keyframes.push_back(id);
+    system.T_map_body.push_back(pose_from(node.pose));
+    kept.push_back({node.pose, 6});
+  }
+  std::vector<const double*> points;
+  for (const auto& [id, node] : landmarks_) points.push_back(node.point);
+
+  JointEquations joint(kept, points);
+  for (const auto& [to, edge] : edges_) joint.add(block_of(edge.factor));
+  for (const auto& [id, node] : keyframes_) {
+    for (const ceres::ResidualBlockId factor : node.factors) {
+      if (factor != nullptr) joint.add(block_of(factor));
+    }
+  }
+  system.H_robot = joint.reduced().H;
+  for (const auto& [id, node] : landmarks_) {
+    system.landmarks.push_back({.id = id,
+                                .p_map = Eigen::Map<const Eigen::Vector3d>(node.point),
+                                .is_matched = node.map_factor != nullptr,
+                                .H_robot = joint.points()[system.landmarks.size()].H,
+                                .equations = {}});
+  }
+  for (const ceres::ResidualBlockId factor : {tilt_, prior_}) {
+    if (factor != nullptr) joint.add(block_of(factor));
+  }
+  for (const auto& [id, node] : landmarks_) {
+    if (node.map_factor != nullptr) joint.add(block_of(node.map_factor));
+  }
+  system.cholesky.compute(joint.reduced().H);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    system.landmarks[i].equations = joint.points()[i];
+  }
+  return system;
 }
 
 std::optional<Matrix6d> WindowProblem::covariance_from(KeyframeId origin,
@@ -159,18 +192,20 @@ std::optional<Matrix6d> WindowProblem::covariance_from(KeyframeId origin,
   return marginal(ids, keyframe, origin);
 }
 
+ResidualBlock WindowProblem::block_of(ceres::ResidualBlockId id) const {
+  std::vector<double*> parameters;
+  problem_.GetParameterBlocksForResidualBlock(id, &parameters);
+  return {problem_.GetCostFunctionForResidualBlock(id),
+          problem_.GetLossFunctionForResidualBlock(id),
+          {parameters.begin(), parameters.end()}};
+}
+
 std::optional<Matrix6d> WindowProblem::marginal(const std::vector<ceres::ResidualBlockId>& ids,
                                                 KeyframeId keyframe,
                                                 std::optional<KeyframeId> fixed) const {
   std::vector<ResidualBlock> blocks;
   blocks.reserve(ids.size());
-  std::vector<double*> parameters;
-  for (const ceres::ResidualBlockId id : ids) {
-    problem_.GetParameterBlocksForResidualBlock(id, &parameters);
-    blocks.push_back({problem_.GetCostFunctionForResidualBlock(id),
-                      problem_.GetLossFunctionForResidualBlock(id),
-                      {parameters.begin(), parameters.end()}});
-  }
+  for (const ceres::ResidualBlockId id : ids) blocks.push_back(block_of(id));
   std::vector<ParameterBlock> kept;
   Eigen::Index column = 0;
   for (const auto& [id, node] : keyframes_) {

@@ -6,6 +6,7 @@
 #include "shared/config/config_reader.hpp"
 #include "shared/protocol/session_rule.hpp"
 #include "shared/wire/answer_codec.hpp"
+#include "shared/wire/correction_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -46,6 +47,7 @@ void LocalizerPool::receive_session(const Bytes& payload) {
       robot.waiting.clear();
       robot.answer.reset();
       robot.unsent = false;
+      robot.correction.reset();
       robot.session = std::move(session);
       break;
     case SessionVerdict::kRepeated:
@@ -95,6 +97,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job() {
             .received = robot.waiting.front().received,
             .session = robot.localizer,
             .submaps = {},
+            .correction = {},
             .error = {}};
     for (Waiting& waiting : robot.waiting) {
       job.submaps.push_back(std::move(waiting.submap));
@@ -111,7 +114,9 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job() {
 Answer LocalizerPool::run(Job& job) {
   try {
     for (const Submap& submap : job.submaps) job.session->add(submap);
-    return job.session->localize();
+    Answer answer = job.session->localize();
+    job.correction = job.session->correction();
+    return answer;
   } catch (const std::exception& error) {
     job.error = error.what();
     const SubmapKeyframe& newest = job.submaps.back().keyframes.back();
@@ -143,6 +148,13 @@ void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Ti
   answer.epoch = epoch_;
   answer.map_hash = map_->info().hash;
   answer.holding_time = now - job.received;
+  robot.correction = job.correction;
+  if (robot.correction) {
+    robot.correction->robot = answer.robot;
+    robot.correction->session = answer.session;
+    robot.correction->localizer = answer.localizer;
+    robot.correction->epoch = answer.epoch;
+  }
   robot.answer = std::move(answer);
   robot.unsent = true;
 }
@@ -161,12 +173,26 @@ std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, doub
       robot.answer.reset();
       refuse(id, "not_encodable");
     }
+    send_correction(id, robot, messages);
   }
   if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
     status_sent_ = now;
     messages.push_back({"", {Topic::kLocalizerStatus, encode(status(load))}});
   }
   return messages;
+}
+
+// Once: a lost one is made up for by the next.
+void LocalizerPool::send_correction(const RobotId& id,
+                                    Robot& robot,
+                                    std::vector<Outgoing>& messages) {
+  if (!robot.correction) return;
+  try {
+    messages.push_back({id, {Topic::kCorrection, encode(*robot.correction)}});
+  } catch (const NotEncodable&) {
+    refuse(id, "correction_not_encodable");
+  }
+  robot.correction.reset();
 }
 
 LocalizerStatus LocalizerPool::status(double load) const {

@@ -50,7 +50,8 @@ class LocalizerPool {
     Timestamp received;  ///< the oldest of the submaps
     std::shared_ptr<SessionLocalizer> session;
     std::vector<Submap> submaps;
-    std::string error;  ///< what run() could not do
+    std::optional<Correction> correction;  ///< what run() found beside the answer
+    std::string error;                     ///< what run() could not do
   };
 
   struct Outgoing {
@@ -74,7 +75,8 @@ class LocalizerPool {
   /// Takes the result over. `optimize_ms` is only reported.
   void finish(const Job& job, Answer answer, double optimize_ms, Timestamp now);
 
-  /// New answers, repetitions, and from time to time the localizer's own status.
+  /// New answers with their corrections, repetitions of answers, and from time to time the
+  /// localizer's own status.
   std::vector<Outgoing> outgoing(Timestamp now, double load);
 
   [[nodiscard]] std::map<RobotId, SessionReport> reports() const;
@@ -99,6 +101,7 @@ class LocalizerPool {
     bool busy = false;
     std::optional<Answer> answer;  // the latest, with the acknowledgements when it was made
     bool unsent = false;
+    std::optional<Correction> correction;  // of that answer, until it is sent
     Repetition repetition;
     SessionReport report;
   };
@@ -106,6 +109,7 @@ class LocalizerPool {
   void receive_session(const Bytes& payload);
   void receive_submap(const Bytes& payload, Timestamp now);
   void refuse(const RobotId& robot, std::string_view reason);
+  void send_correction(const RobotId& id, Robot& robot, std::vector<Outgoing>& messages);
   [[nodiscard]] LocalizerStatus status(double load) const;
 
   std::string name_;

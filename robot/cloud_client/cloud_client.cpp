@@ -5,6 +5,7 @@
 
 #include "shared/config/config_reader.hpp"
 #include "shared/wire/answer_codec.hpp"
+#include "shared/wire/correction_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -27,6 +28,8 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   session_ = session;
   sender_.restart(session.session);
   newest_.reset();
+  correction_.reset();
+  corrected_anchor_.reset();
   answered_ = false;
   if (!localizer_.empty()) announce(now);
 }
@@ -50,6 +53,7 @@ std::vector<Answer> CloudClient::take_answers(Timestamp now) {
   std::vector<Answer> answers;
   for (const Message& message : channel_.receive(now)) {
     if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload);
+    if (message.topic == Topic::kCorrection) receive_correction(message.payload);
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
@@ -87,6 +91,22 @@ std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestam
   newest_ = answer;
   ++statistics_.answers_received;
   return std::move(answer);
+}
+
+void CloudClient::receive_correction(const Bytes& payload) {
+  auto decoded = decode_correction(payload);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
+  auto& correction = std::get<Correction>(decoded);
+  if (correction.robot != robot_ || !session_ || correction.session != session_->session) {
+    return refuse("correction_of_other_session");
+  }
+  if (correction.localizer != localizer_) return refuse("correction_of_other_localizer");
+  if (newest_ && correction.epoch < newest_->epoch) return refuse("correction_of_old_epoch");
+  if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
+    return refuse("outdated_correction");
+  }
+  corrected_anchor_ = correction.anchor;
+  correction_ = std::move(correction);
 }
 
 // The least loaded one that accepts robots; of equals the first by name.

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "shared/link/channel.hpp"
@@ -39,7 +40,9 @@ class CloudClient final : public MapLocalizer {
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
   [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
-  [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  [[nodiscard]] std::optional<Correction> take_correction() override {
+    return std::exchange(correction_, std::nullopt);
+  }
   void update_start(const StartPose& start) override {
     if (session_) session_->start = start;
   }
@@ -51,6 +54,7 @@ class CloudClient final : public MapLocalizer {
  private:
   void receive_status(const Bytes& payload);
   std::optional<Answer> receive_answer(const Bytes& payload, Timestamp now);
+  void receive_correction(const Bytes& payload);
   void choose_localizer(Timestamp now);
   void announce(Timestamp now);
   void refuse(std::string_view reason) { ++statistics_.refused[std::string(reason)]; }
@@ -63,7 +67,9 @@ class CloudClient final : public MapLocalizer {
   Repetition announcement_;
   bool answered_ = false;  // by the chosen localizer, in this session
   SubmapSender sender_;
-  std::optional<Answer> newest_;  // of this session
+  std::optional<Answer> newest_;                // of this session
+  std::optional<Correction> correction_;        // not yet taken
+  std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
   Statistics statistics_;
 };
 

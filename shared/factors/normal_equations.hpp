@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,6 +31,61 @@ struct NormalEquations {
 struct ParameterBlock {
   const double* values = nullptr;
   int tangent_size = 0;  ///< 6 for a pose
+};
+
+/// What there is to know of a point that is to be eliminated: its own block of H, its gradient, and
+/// its coupling to kept blocks (rows: the kept block's tangent).
+struct PointEquations {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
+  struct Coupling {
+    int kept = 0;  ///< index of the kept block
+    Columns H;
+  };
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  std::vector<Coupling> couplings;
+};
+
+/// The sums behind NormalEquations, which grow block by block. What they stand for so far can be
+/// reduced to the kept parameters at any time.
+class JointEquations {
+ public:
+  JointEquations(const std::vector<ParameterBlock>& kept,
+                 const std::vector<const double*>& eliminated_points);
+
+  void add(const ResidualBlock& block);
+
+  /// See schur_complement().
+  [[nodiscard]] NormalEquations reduced() const;
+
+  /// In the order of the eliminated points.
+  [[nodiscard]] const std::vector<PointEquations>& points() const { return points_; }
+
+ private:
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  struct Slot {
+    int place = 0;  // of a kept block; -1 - i: the i-th point
+    Eigen::Map<const Jacobian, 0, Eigen::OuterStride<>> J;
+  };
+
+  void evaluate(const ResidualBlock& block);
+  double weighted_cost(const ceres::LossFunction* loss, double squared_norm);
+  void accumulate(const Eigen::Map<const Eigen::VectorXd>& r, double weight);
+  [[nodiscard]] int kept_size(int place) const {
+    return kept_[static_cast<std::size_t>(place)].tangent_size;
+  }
+  [[nodiscard]] int offset(int place) const { return offsets_[static_cast<std::size_t>(place)]; }
+
+  std::vector<ParameterBlock> kept_;
+  std::vector<int> offsets_;
+  std::unordered_map<const double*, int> place_;  // looked up only
+  std::vector<PointEquations> points_;
+  NormalEquations sums_;  // upper triangle, points not yet eliminated
+  // Scratch of add().
+  std::vector<double> residuals_;
+  std::vector<Jacobian> jacobians_;
+  std::vector<double*> pointers_;
+  std::vector<Slot> slots_;
 };
 
 /// Order and offsets of the result follow `kept`. An eliminated point whose own block of H is

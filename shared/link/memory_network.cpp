@@ -44,6 +44,7 @@ bool hears(const Member& receiver,
     case Topic::kRobotStatus:
       return !receiver.is_robot && partition == receiver.name;
     case Topic::kLocalization:
+    case Topic::kCorrection:
       return receiver.is_robot && partition == receiver.name;
     case Topic::kLocalizerStatus:
       return receiver.is_robot;

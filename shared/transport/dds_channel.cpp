@@ -100,6 +100,7 @@ std::vector<DdsChannel::Subscription> DdsChannel::subscribe(const Config& config
   };
   if (config.role == ChannelRole::kRobot) {
     hear(Topic::kLocalization, config.name);
+    hear(Topic::kCorrection, config.name);
     hear(Topic::kLocalizerStatus, "");
   } else {
     hear(Topic::kSession, "");

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include <idl/correctionPubSubTypes.h>
 #include <idl/localizationPubSubTypes.h>
 #include <idl/posePubSubTypes.h>
 #include <idl/sessionPubSubTypes.h>
@@ -36,6 +37,8 @@ TopicSpec topic_spec(Topic topic) {
       return spec<wire::SubmapPubSubType>("submap");
     case Topic::kLocalization:
       return spec<wire::LocalizationResultPubSubType>("localization");
+    case Topic::kCorrection:
+      return spec<wire::CorrectionPubSubType>("correction");
     case Topic::kRobotStatus:
       return spec<wire::RobotStatusPubSubType>("robot_status");
     case Topic::kLocalizerStatus:

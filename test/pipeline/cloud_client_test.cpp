@@ -6,6 +6,7 @@
 
 #include "shared/link/memory_network.hpp"
 #include "shared/wire/answer_codec.hpp"
+#include "shared/wire/correction_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -66,6 +67,21 @@ class CloudClientTest : public testing::Test {
     answer.revision = Revision{1};
     answer.stamp = at(1);
     return answer;
+  }
+
+  static Correction correction(const std::string& localizer, std::uint32_t anchor) {
+    Correction correction;
+    correction.robot = "robot";
+    correction.session = SessionNumber{1};
+    correction.localizer = localizer;
+    correction.epoch = Epoch{1};
+    correction.anchor = KeyframeId{anchor};
+    correction.landmarks.push_back({LandmarkId{1}, {1.0, 2.0, 3.0}, Eigen::Matrix3d::Identity()});
+    return correction;
+  }
+
+  void send(const Correction& correction, int ms) {
+    idle_->send("robot", {Topic::kCorrection, encode(correction)}, at(ms));
   }
 
   static int count(const std::vector<Message>& messages, Topic topic) {
@@ -137,6 +153,52 @@ TEST_F(CloudClientTest, GivesARepeatedAnswerOnce) {
   EXPECT_EQ(client_.take_answers(at(100)).size(), 1);
   idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 8))}, at(110));
   EXPECT_EQ(client_.take_answers(at(120)).size(), 1);
+}
+
+TEST_F(CloudClientTest, KeepsTheNewestCorrectionUntilItIsTaken) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  EXPECT_FALSE(client_.take_correction());
+  for (const std::uint32_t anchor : {5U, 6U, 8U, 7U}) send(correction("idle", anchor), 20);
+  static_cast<void>(client_.take_answers(at(30)));
+  EXPECT_EQ(client_.take_correction().value().anchor, KeyframeId{8});
+  EXPECT_FALSE(client_.take_correction());
+  send(correction("idle", 8), 40);  // the network has doubled it
+  static_cast<void>(client_.take_answers(at(50)));
+  EXPECT_FALSE(client_.take_correction());
+  EXPECT_EQ(client_.statistics().refused.at("outdated_correction"), 2);
+
+  send(correction("idle", 9), 60);
+  static_cast<void>(client_.take_answers(at(70)));
+  client_.start_session(some_session(), at(80));
+  EXPECT_FALSE(client_.take_correction()) << "it was of the session before";
+}
+
+TEST_F(CloudClientTest, CountsCorrectionsThatAreNotForItByName) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(2)));
+  Answer newer = answer("idle", 1);
+  newer.epoch = Epoch{2};
+  idle_->send("robot", {Topic::kLocalization, encode(newer)}, at(5));
+  static_cast<void>(client_.take_answers(at(10)));
+  Correction other_robot = correction("idle", 5);
+  other_robot.robot = "other";
+  Correction old_session = correction("idle", 5);
+  old_session.session = SessionNumber{0};
+  for (const Correction& unwanted :
+       {other_robot, old_session, correction("busy", 5), correction("idle", 5)}) {
+    send(unwanted, 20);
+  }
+  idle_->send("robot", {Topic::kCorrection, Bytes{0, 1, 0, 0, 9, 9}}, at(20));
+  static_cast<void>(client_.take_answers(at(30)));
+  EXPECT_FALSE(client_.take_correction());
+  const auto refused = client_.statistics().refused;
+  EXPECT_EQ(refused.at("correction_of_other_session"), 2);
+  EXPECT_EQ(refused.at("correction_of_other_localizer"), 1);
+  EXPECT_EQ(refused.at("correction_of_old_epoch"), 1);
+  EXPECT_EQ(refused.at("undecodable"), 1);
 }
 
 TEST_F(CloudClientTest, CountsByNameWhatItDoesNotUse) {

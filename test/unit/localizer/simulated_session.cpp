@@ -128,11 +128,13 @@ std::vector<StereoObservation> SimulatedSession::observations(int keyframe) cons
   for (StereoObservation seen : run_.frame(keyframe).observations) {
     const Eigen::Vector3d p_map = run_.landmark(seen.landmark);
     if (config_.is_wanted && !config_.is_wanted(p_map)) continue;
-    if (is_off_map(seen.landmark)) {
+    const bool is_off = is_off_map(seen.landmark);
+    if (is_off || (config_.noise_of_right_pixel && seen.disparity > 0.0)) {
       const auto counter =
           (static_cast<std::uint64_t>(keyframe) << 32U) | static_cast<std::uint64_t>(seen.landmark);
-      const Eigen::Vector3d pixel = project(run_.stereo(), T_cam0_map * off_map(p_map)) +
-                                    config_.pixel_sigma * noise.normal3(counter);
+      const Eigen::Vector3d pixel =
+          project(run_.stereo(), T_cam0_map * (is_off ? off_map(p_map) : p_map)) +
+          config_.pixel_sigma * noise.normal3(counter);
       seen.left = pixel.head<2>();
       seen.disparity = std::max(0.0, pixel[0] - pixel[2]);
     }

@@ -40,6 +40,8 @@ class SimulatedSession {
     double start_yaw_rad = 0.052;  ///< sign by the seed
     double off_map_share = 0.0;    ///< of the landmarks, which stand up to a metre before the walls
     bool send_landmarks = false;
+    /// Noise of u_left, v and u_right, as the factors have it; otherwise that of SimulatedRun.
+    bool noise_of_right_pixel = false;
     /// Only landmarks of which this is true are observed, if it is given.
     std::function<bool(const Eigen::Vector3d& p_map)> is_wanted = {};
   };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/wire/answer_codec.hpp"
+#include "shared/wire/correction_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
@@ -75,6 +76,29 @@ TEST(Fuzz, SessionsAreRefusedOrValid) {
 
 TEST(Fuzz, AnswersAreRefusedOrValid) {
   EXPECT_GT(fuzz(encode(some_answer()), decode_answer), 0);
+}
+
+TEST(Fuzz, CorrectionsAreRefusedOrValid) {
+  EXPECT_GT(fuzz(encode(some_correction()), decode_correction), 0);
+}
+
+TEST(Fuzz, AcceptedCorrectionsHavePositiveSemiDefiniteInformation) {
+  std::mt19937 random(12);
+  const Bytes seed = encode(some_correction());
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto decoded = decode_correction(with_flipped_bytes(seed, random));
+    const auto* correction = std::get_if<Correction>(&decoded);
+    if (correction == nullptr) continue;
+    for (const auto& pair : correction->relative_poses) {
+      const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(pair.information, Eigen::EigenvaluesOnly);
+      EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
+    }
+    for (const auto& landmark : correction->landmarks) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(landmark.information,
+                                                                 Eigen::EigenvaluesOnly);
+      EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
+    }
+  }
 }
 
 TEST(Fuzz, LocalizerStatusIsRefusedOrValid) {

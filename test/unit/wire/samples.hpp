@@ -11,6 +11,7 @@
 #include "shared/model/submap.hpp"
 #include "shared/wire/answer_codec.hpp"
 #include "shared/wire/cdr.hpp"
+#include "shared/wire/correction_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 
 namespace fleetloc {
@@ -96,6 +97,30 @@ inline Answer some_answer() {
           .covariance = some_matrix() * 1e-10,
           .T_map_odom = some_pose(2.0),
           .holding_time = Duration{12'345'678}};
+}
+
+/// Seven relative poses, and landmarks on planes: information of rank one and of full rank.
+inline Correction some_correction(int landmarks = 20, std::uint32_t gap = 3) {
+  Correction correction;
+  correction.robot = "robot_1";
+  correction.session = SessionNumber{2};
+  correction.localizer = "cloud-a";
+  correction.epoch = Epoch{17};
+  correction.anchor = KeyframeId{100'000};
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    correction.relative_poses.push_back({.from = KeyframeId{99'986 + 2 * i},
+                                         .to = KeyframeId{99'988 + 2 * i},
+                                         .T_from_to = some_pose(0.01 * i),
+                                         .information = some_matrix()});
+  }
+  for (int i = 0; i < landmarks; ++i) {
+    const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 0.3 * i, -0.2).normalized();
+    correction.landmarks.push_back({.id = LandmarkId{70'000 + gap * static_cast<std::uint32_t>(i)},
+                                    .p_anchor = {3.0 + 0.1 * i, -2.0, 60.0 - i},
+                                    .information = 100.0 * i * normal * normal.transpose() +
+                                                   (i % 2) * 40.0 * Eigen::Matrix3d::Identity()});
+  }
+  return correction;
 }
 
 inline LocalizerStatus some_localizer_status() {

@@ -1,0 +1,241 @@
+#include "cloud/localizer/map_correction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kWorstConditioned = 1e-8;  // of a landmark that the robot places at all
+constexpr double kFarthest_m = 60.0;        // from the anchor: what a message can hold
+
+using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+struct Candidate {
+  const WindowSystem::Landmark* landmark = nullptr;
+  double gain = 0.0;  // of information by the map if the poses were known: the determinants' ratio
+};
+
+bool is_placed_by_robot(const WindowSystem::Landmark& landmark) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(landmark.H_robot,
+                                                             Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()(0) > kWorstConditioned * eigen.eigenvalues()(2);
+}
+
+int newest_observer(const WindowSystem::Landmark& landmark) {
+  int newest = -1;
+  for (const auto& coupling : landmark.equations.couplings)
+    newest = std::max(newest, coupling.kept);
+  return newest;
+}
+
+int oldest_observer(const WindowSystem::Landmark& landmark) {
+  int oldest = std::numeric_limits<int>::max();
+  for (const auto& coupling : landmark.equations.couplings)
+    oldest = std::min(oldest, coupling.kept);
+  return oldest;
+}
+
+// Increasing by id.
+std::vector<const WindowSystem::Landmark*> candidates(const WindowSystem& system,
+                                                      int first_keyframe,
+                                                      std::size_t most) {
+  std::vector<Candidate> found;
+  for (const WindowSystem::Landmark& landmark : system.landmarks) {
+    if (!landmark.is_matched || newest_observer(landmark) < first_keyframe) continue;
+    if ((landmark.p_map - system.T_map_body.back().p).norm() > kFarthest_m) continue;
+    if (!is_placed_by_robot(landmark)) continue;
+    found.push_back(
+        {&landmark, landmark.equations.H.determinant() / landmark.H_robot.determinant()});
+  }
+  if (found.size() > most) {
+    std::ranges::stable_sort(found, std::greater<>{}, &Candidate::gain);
+    found.resize(most);
+  }
+  std::vector<const WindowSystem::Landmark*> result;
+  result.reserve(found.size());
+  for (const Candidate& candidate : found) result.push_back(candidate.landmark);
+  std::ranges::sort(result, {}, &WindowSystem::Landmark::id);
+  return result;
+}
+
+// Covariances of the poses from keyframe `first` on, right perturbations.
+class Covariance {
+ public:
+  Covariance(Eigen::MatrixXd covariance, int first)
+      : covariance_(std::move(covariance)), first_(first) {}
+
+  [[nodiscard]] Matrix6d block(int a, int b) const { return covariance_.block<6, 6>(at(a), at(b)); }
+  [[nodiscard]] Eigen::Index at(int keyframe) const { return 6 * (keyframe - first_); }
+  [[nodiscard]] Eigen::Index size() const { return covariance_.rows(); }
+  [[nodiscard]] const Eigen::MatrixXd& matrix() const { return covariance_; }
+
+ private:
+  Eigen::MatrixXd covariance_;
+  int first_;
+};
+
+// The robot's system knows no place in the map: the newest keyframe is held, by which relative
+// quantities lose nothing.
+std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int first) {
+  const Eigen::Index held = system.H_robot.rows() - 6;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(system.H_robot.topLeftCorner(held, held));
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  const Eigen::Index size = held - 6 * first;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size + 6, size + 6);
+  covariance.topLeftCorner(size, size) = last_of_inverse(cholesky, size);
+  if (!covariance.allFinite()) return std::nullopt;
+  return Covariance(std::move(covariance), first);
+}
+
+std::optional<Covariance> covariance_with_map(const WindowSystem& system, int first) {
+  if (system.cholesky.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd covariance = last_of_inverse(system.cholesky, system.H_robot.rows() - 6 * first);
+  if (!covariance.allFinite()) return std::nullopt;
+  return Covariance(std::move(covariance), first);
+}
+
+// The perturbation of T_a_b is d_b - A d_a.
+Matrix6d relative_covariance(const Covariance& poses, int a, int b, const Matrix6d& A) {
+  const Matrix6d cross = A * poses.block(a, b);
+  return poses.block(b, b) - cross - cross.transpose() + A * poses.block(a, a) * A.transpose();
+}
+
+// Of p_anchor = T_map_anchor^-1 * p_map. Given the poses, p_map has the information `H`.
+Eigen::Matrix3d landmark_covariance(const Covariance& poses,
+                                    const WindowSystem::Landmark& landmark,
+                                    const Eigen::Matrix3d& H,
+                                    const Pose& T_map_anchor) {
+  const Eigen::Matrix3d R_anchor_map = T_map_anchor.R.toRotationMatrix().transpose();
+  const Eigen::Matrix3d own = R_anchor_map * H.inverse();
+  Eigen::Index begin = poses.size() - 6;  // the observers, mostly without gaps, and the anchor
+  for (const auto& seen : landmark.equations.couplings)
+    begin = std::min(begin, poses.at(seen.kept));
+  Rows3 J = Rows3::Zero(3, poses.size() - begin);
+  for (const auto& seen : landmark.equations.couplings) {
+    J.middleCols<6>(poses.at(seen.kept) - begin).noalias() -= own * seen.H.transpose();
+  }
+  const Eigen::Vector3d p_anchor = inverse(T_map_anchor) * landmark.p_map;
+  J.rightCols<6>().leftCols<3>() += hat(p_anchor);
+  J.rightCols<3>() -= Eigen::Matrix3d::Identity();
+  const Rows3 spread = J * poses.matrix().bottomRightCorner(J.cols(), J.cols());
+  const Eigen::Matrix3d covariance = spread * J.transpose() + own * R_anchor_map.transpose();
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+// What `covariances` gained, with inflation and floors. In units of the floors the covariance along
+// an eigenvector of the gain becomes inflation / gain + 1.
+template <int N>
+Eigen::Matrix<double, N, N> information_to_send(
+    const RelativeKnowledge::Covariances<N>& covariances,
+    const Eigen::Matrix<double, N, 1>& floors,
+    double inflation) {
+  using Matrix = Eigen::Matrix<double, N, N>;
+  const Matrix gained = floors.asDiagonal() *
+                        (covariances.with_map.inverse() - covariances.of_robot.inverse()) *
+                        floors.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (gained + gained.transpose()));
+  const Eigen::Matrix<double, N, 1> weights = eigen.eigenvalues().unaryExpr(
+      [&](double value) { return value > 0.0 ? value / (inflation + value) : 0.0; });
+  const Matrix axes = floors.cwiseInverse().asDiagonal() * eigen.eigenvectors();
+  return axes * weights.asDiagonal() * axes.transpose();
+}
+
+}  // namespace
+
+template <int N>
+double RelativeKnowledge::Covariances<N>::gain() const {
+  return 0.5 * std::log(of_robot.determinant() / with_map.determinant());
+}
+template struct RelativeKnowledge::Covariances<3>;
+template struct RelativeKnowledge::Covariances<6>;
+
+std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
+                                                    const CorrectionConfig& config) {
+  const auto count = static_cast<int>(system.keyframes.size());
+  const int first = std::max(0, count - config.keyframes);
+  const auto landmarks =
+      candidates(system, first, 2 * static_cast<std::size_t>(config.max_landmarks));
+  int oldest = first;
+  for (const auto* landmark : landmarks) oldest = std::min(oldest, oldest_observer(*landmark));
+  const auto of_robot = covariance_of_robot(system, oldest);
+  const auto with_map = covariance_with_map(system, oldest);
+  if (!of_robot || !with_map) return std::nullopt;
+
+  RelativeKnowledge result;
+  result.anchor = system.keyframes.back();
+  for (int to = first + 1; to < count; ++to) {
+    const auto index = static_cast<std::size_t>(to);
+    const Pose T = inverse(system.T_map_body[index - 1]) * system.T_map_body[index];
+    const Matrix6d A = adjoint(inverse(T));
+    result.relative_poses.push_back({system.keyframes[index - 1],
+                                     system.keyframes[index],
+                                     T,
+                                     {relative_covariance(*of_robot, to - 1, to, A),
+                                      relative_covariance(*with_map, to - 1, to, A)}});
+  }
+  const Pose& T_map_anchor = system.T_map_body.back();
+  for (const auto* landmark : landmarks) {
+    result.landmarks.push_back(
+        {landmark->id,
+         inverse(T_map_anchor) * landmark->p_map,
+         {landmark_covariance(*of_robot, *landmark, landmark->H_robot, T_map_anchor),
+          landmark_covariance(*with_map, *landmark, landmark->equations.H, T_map_anchor)}});
+  }
+  return result;
+}
+
+Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionConfig& config) {
+  Correction correction;
+  correction.anchor = knowledge.anchor;
+  Vector6d pose_floors;
+  pose_floors << Eigen::Vector3d::Constant(config.pose_floor_rad),
+      Eigen::Vector3d::Constant(config.pose_floor_m);
+  for (const auto& pair : knowledge.relative_poses) {
+    if (!(pair.covariances.gain() >= config.least_gain)) continue;
+    correction.relative_poses.push_back(
+        {pair.from,
+         pair.to,
+         pair.T_from_to,
+         information_to_send<6>(pair.covariances, pose_floors, config.pose_inflation)});
+  }
+
+  std::vector<std::pair<double, const RelativeKnowledge::Landmark*>> chosen;
+  for (const auto& landmark : knowledge.landmarks) {
+    const double gain = landmark.covariances.gain();
+    if (gain >= config.least_gain) chosen.emplace_back(gain, &landmark);
+  }
+  std::ranges::stable_sort(chosen, [](const auto& a, const auto& b) { return a.first > b.first; });
+  const auto most = static_cast<std::size_t>(config.max_landmarks);
+  if (chosen.size() > most) chosen.resize(most);
+  const Eigen::Vector3d floors = Eigen::Vector3d::Constant(config.landmark_floor_m);
+  for (const auto& [gain, landmark] : chosen) {
+    correction.landmarks.push_back(
+        {landmark->id,
+         landmark->p_anchor,
+         information_to_send<3>(landmark->covariances, floors, config.landmark_inflation)});
+  }
+  std::ranges::sort(correction.landmarks, {}, &Correction::Landmark::id);
+  return correction;
+}
+
+CorrectionConfig read_correction_config(ConfigReader section) {
+  return {.keyframes = section.integer("keyframes", 2, 17),
+          .max_landmarks = section.integer("max_landmarks", 0, 128),
+          .least_gain = section.positive("least_gain"),
+          .pose_floor_rad = section.positive("pose_floor_rad"),
+          .pose_floor_m = section.positive("pose_floor_m"),
+          .landmark_floor_m = section.positive("landmark_floor_m"),
+          .pose_inflation = section.positive("pose_inflation"),
+          .landmark_inflation = section.positive("landmark_inflation")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "shared/core/ids.hpp"
+#include "shared/factors/normal_equations.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// E_loc linearized at the window's present values, landmarks eliminated: once with everything, and
+/// once with only what the robot measures of relative quantities (its edges and observations). The
+/// tilt is the robot's as well, but alone it tells nothing of them: it fixes two of the directions
+/// in which the window moves as a whole.
+struct WindowSystem {
+  struct Landmark {
+    LandmarkId id{};
+    Eigen::Vector3d p_map = Eigen::Vector3d::Zero();  ///< [m]
+    bool is_matched = false;
+    Eigen::Matrix3d H_robot = Eigen::Matrix3d::Zero();  ///< given the poses, map axes [1/m^2]
+    PointEquations equations;  ///< with everything; kept blocks are indices of `keyframes`
+  };
+
+  std::vector<KeyframeId> keyframes;  ///< oldest first
+  std::vector<Pose> T_map_body;
+  Eigen::LLT<Eigen::MatrixXd> cholesky;  ///< of the whole system, right perturbations of the poses
+  Eigen::MatrixXd H_robot;               ///< the robot's alone: singular, since it knows no map
+  std::vector<Landmark> landmarks;       ///< increasing by id
+
+  /// Of the newest keyframe's pose, right perturbation.
+  [[nodiscard]] std::optional<Matrix6d> covariance_of_newest() const;
+};
+
+/// (L L^T)^-1, of which the last `size` rows and columns.
+Eigen::MatrixXd last_of_inverse(const Eigen::LLT<Eigen::MatrixXd>& cholesky, Eigen::Index size);
+
+}  // namespace fleetloc

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include "shared/wire/malformed.hpp"
+
+namespace fleetloc {
+
+/// A positive semi-definite matrix in bytes; see correction.idl. What is decoded is positive
+/// semi-definite, too. Entries of R are cut towards zero, by up to 1/127 of their scale: directions
+/// without information stay nearly so.
+template <int N>
+struct CompactRoot {
+  static constexpr std::size_t kScales = N / 3;
+  static constexpr std::size_t kEntries = N * (N + 1) / 2;
+  static constexpr int kLargestScale = 240;  // 1e9: 1 nrad, 1 nm
+
+  std::array<std::uint8_t, kScales> scales{};
+  std::array<std::uint8_t, kEntries> entries{};
+
+  /// Throws NotEncodable unless the matrix is finite, symmetric and positive semi-definite.
+  static CompactRoot of(const Eigen::Matrix<double, N, N>& matrix);
+
+  [[nodiscard]] Eigen::Matrix<double, N, N> squared() const;
+  [[nodiscard]] Defect defect() const;
+
+ private:
+  using Matrix = Eigen::Matrix<double, N, N>;
+  static constexpr double kUnits = 127.0;
+  static constexpr int kZero = 128;
+  static constexpr double kTolerance = 1e-9;
+
+  [[nodiscard]] double scale(int column) const {
+    return std::exp2(scales[static_cast<std::size_t>(column / 3)] / 8.0);
+  }
+  [[nodiscard]] Matrix unscaled() const;
+};
+
+template <int N>
+CompactRoot<N> CompactRoot<N>::of(const Matrix& matrix) {
+  if (!matrix.allFinite()) throw NotEncodable("an information that is not finite");
+  if ((matrix.diagonal().array() < 0.0).any()) throw NotEncodable("a negative information");
+  // Rotations and translations differ by orders of magnitude: the root is that of correlations.
+  const Eigen::Matrix<double, N, 1> sizes =
+      matrix.diagonal().cwiseSqrt().unaryExpr([](double s) { return s > 0.0 ? s : 1.0; });
+  const Matrix correlation =
+      sizes.cwiseInverse().asDiagonal() * matrix * sizes.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (correlation + correlation.transpose()));
+  if ((correlation - correlation.transpose()).cwiseAbs().maxCoeff() > 1e-6 ||
+      eigen.eigenvalues().minCoeff() < -1e-6) {
+    throw NotEncodable("an information that is not positive semi-definite");
+  }
+  const Matrix root =
+      eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+  const Matrix qr = root.householderQr().matrixQR();
+  const Matrix R = Matrix(qr.template triangularView<Eigen::Upper>()) * sizes.asDiagonal();
+
+  CompactRoot out;
+  for (int group = 0; group < N / 3; ++group) {
+    const double longest = R.template middleCols<3>(3 * group).colwise().norm().maxCoeff();
+    const double exponent = std::ceil(8.0 * std::log2(std::max(longest, 1.0)) - kTolerance);
+    if (exponent > kLargestScale) throw NotEncodable("an information that is out of range");
+    out.scales[static_cast<std::size_t>(group)] = static_cast<std::uint8_t>(exponent);
+  }
+  auto next = out.entries.begin();
+  for (int row = 0; row < N; ++row) {
+    for (int column = row; column < N; ++column) {
+      const double units = std::trunc(kUnits * R(row, column) / out.scale(column));
+      *next++ = static_cast<std::uint8_t>(kZero + static_cast<int>(units));
+    }
+  }
+  return out;
+}
+
+template <int N>
+typename CompactRoot<N>::Matrix CompactRoot<N>::unscaled() const {
+  Matrix R = Matrix::Zero();
+  auto next = entries.begin();
+  for (int row = 0; row < N; ++row) {
+    for (int column = row; column < N; ++column) R(row, column) = (*next++ - kZero) / kUnits;
+  }
+  return R;
+}
+
+template <int N>
+typename CompactRoot<N>::Matrix CompactRoot<N>::squared() const {
+  Matrix R = unscaled();
+  for (int column = 0; column < N; ++column) R.col(column) *= scale(column);
+  return R.transpose() * R;
+}
+
+template <int N>
+Defect CompactRoot<N>::defect() const {
+  if (std::ranges::any_of(scales, [](int scale) { return scale > kLargestScale; }) ||
+      std::ranges::count(entries, std::uint8_t{0}) > 0 ||
+      unscaled().colwise().norm().maxCoeff() > 1.0 + kTolerance) {
+    return Malformed::kOutOfRange;
+  }
+  return std::nullopt;
+}
+
+}  // namespace fleetloc
