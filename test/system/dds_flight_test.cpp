@@ -50,13 +50,19 @@ TEST_F(DdsFlight, IsLocalizedInTheLaserMapInRealTime) {
               Gt(summary.at("uplink_bytes").get<std::int64_t>()));
 }
 
-TEST_F(DdsFlight, FindsItsLocalizerThroughTheProfilesThatShip) {
+class DdsFlightOn : public DdsFlight, public testing::WithParamInterface<const char*> {};
+
+TEST_P(DdsFlightOn, FindsItsLocalizerThroughTheProfilesThatShip) {
   if (!has_multicast_interface()) GTEST_SKIP() << "no network interface with multicast";
-  qos_ = FLEETLOC_SOURCE_DIR "/qos_profiles/lan.xml";
+  qos_ = std::string(FLEETLOC_SOURCE_DIR "/qos_profiles/") + GetParam() + ".xml";
   const auto session = fly({"--rate", "1", "--duration", "8"});
   EXPECT_THAT(session.at("submaps").get<int>(), Gt(0));
   EXPECT_THAT(parsed_json(run_folder_ / "summary.json").at("answers_received").get<int>(), Gt(0));
 }
+
+INSTANTIATE_TEST_SUITE_P(Networks, DdsFlightOn, testing::Values("lan", "wifi"), [](const auto& it) {
+  return it.param;
+});
 
 TEST_F(DdsFlight, GivesOdometryWithoutALocalizer) {
   const Outcome outcome = run(FLEETLOC_ROBOT, robot(kRobot, {"--rate", "0", "--duration", "6"}));
