@@ -95,7 +95,7 @@ class LocalizerPool {
   struct Waiting {
     Submap submap;
     Timestamp received;
-    std::size_t bytes;
+    std::size_t bytes{};
   };
   struct Robot {
     explicit Robot(const Repetition::Config& config) : repetition(config) {}
