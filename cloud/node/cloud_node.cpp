@@ -21,11 +21,13 @@ Timestamp steady_now() {
   return Timestamp{std::chrono::steady_clock::now().time_since_epoch()};
 }
 
-// Later starts have higher numbers, whatever happened to the earlier ones.
+// Later starts have higher numbers, whatever happened to the earlier ones: tenths of a second since
+// 2025, up to 2038.
 Epoch epoch_of_this_start() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return Epoch{
-      static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count())};
+  constexpr std::chrono::sys_days kBegin = std::chrono::year(2025) / 1 / 1;
+  using Tenths = std::chrono::duration<std::int64_t, std::deci>;
+  const auto since = std::chrono::system_clock::now() - kBegin;
+  return Epoch{static_cast<std::uint32_t>(std::chrono::duration_cast<Tenths>(since).count())};
 }
 
 DdsChannel::Config channel_config(const CloudNodeOptions& options) {
@@ -36,27 +38,6 @@ DdsChannel::Config channel_config(const CloudNodeOptions& options) {
           .name = options.name,
           .link = options.link};
 }
-
-/// Share of the workers' time in use, smoothed over a few seconds.
-class Load {
- public:
-  explicit Load(int workers) : workers_(workers), last_(steady_now()) {}
-
-  /// @param busy  since the last measurement; set to zero when it has been taken over
-  double measure(Duration& busy, Timestamp now) {
-    const double elapsed_s = to_seconds(now - last_);
-    if (elapsed_s < 1.0) return load_;
-    load_ = 0.5 * load_ + 0.5 * to_seconds(busy) / (elapsed_s * workers_);
-    busy = {};
-    last_ = now;
-    return load_;
-  }
-
- private:
-  int workers_;
-  Timestamp last_;
-  double load_ = 0.0;
-};
 
 std::filesystem::path created(const std::filesystem::path& folder) {
   std::error_code error;
@@ -83,30 +64,34 @@ void CloudNode::run(const std::stop_token& stop) {
                options_.domain);
   {
     WorkerPool workers(options_.workers);
-    Load load(options_.workers);
+    WorkerLoad load(options_.workers, steady_now());
     while (!stop.stop_requested()) {
       channel_.wait_for_message(kPatience);
       for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
-      finish_jobs(workers);
+      finish_jobs(workers, load);
       start_jobs(workers);
       const Timestamp now = steady_now();
-      for (auto& outgoing : pool_.outgoing(now, load.measure(busy_, now))) {
+      for (auto& outgoing : pool_.outgoing(now, load.measure(now))) {
         channel_.send(outgoing.partition, std::move(outgoing.message), now);
+      }
+      for (const RobotId& robot : pool_.take_departed()) channel_.release(robot);
+      for (const std::string& event : pool_.take_events()) {
+        spdlog::info("{}: {}", options_.name, event);
       }
     }
     workers.finish();
-    finish_jobs(workers);
+    finish_jobs(workers, load);
   }
   for (const auto& [reason, count] : pool_.unattributed()) {
-    spdlog::warn("{}: {} messages of no session: {}", options_.name, count, reason);
+    spdlog::warn("{}: {} messages of robots that are not served: {}", options_.name, count, reason);
   }
   write_sessions(options_.out / "sessions.json", pool_.reports());
-  spdlog::info("{}: stopped, {} robots served", options_.name, pool_.sessions());
+  spdlog::info("{}: stopped, {} robots served", options_.name, pool_.reports().size());
 }
 
-void CloudNode::finish_jobs(WorkerPool& workers) {
+void CloudNode::finish_jobs(WorkerPool& workers, WorkerLoad& load) {
   while (auto finished = workers.take()) {
-    busy_ += finished->cpu;
+    load.add(finished->cpu);
     pool_.finish(
         finished->job, std::move(finished->answer), 1e3 * to_seconds(finished->cpu), steady_now());
   }
@@ -114,7 +99,7 @@ void CloudNode::finish_jobs(WorkerPool& workers) {
 
 void CloudNode::start_jobs(WorkerPool& workers) {
   while (workers.has_room()) {
-    auto job = pool_.take_job();
+    auto job = pool_.take_job(steady_now());
     if (!job) return;
     workers.start(std::move(*job));
   }

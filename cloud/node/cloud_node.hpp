@@ -10,6 +10,7 @@
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/node/worker_pool.hpp"
 #include "cloud/pool/localizer_pool.hpp"
+#include "cloud/pool/worker_load.hpp"
 #include "shared/link/link_model.hpp"
 #include "shared/transport/dds_channel.hpp"
 
@@ -35,14 +36,13 @@ class CloudNode {
   void run(const std::stop_token& stop);
 
  private:
-  void finish_jobs(WorkerPool& workers);
+  void finish_jobs(WorkerPool& workers, WorkerLoad& load);
   void start_jobs(WorkerPool& workers);
 
   CloudNodeOptions options_;
   std::shared_ptr<const LaserMap> map_;
   DdsChannel channel_;
   LocalizerPool pool_;
-  Duration busy_{};  // of the workers, since the load was last measured
 };
 
 }  // namespace fleetloc

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "shared/config/config_reader.hpp"
-#include "shared/protocol/session_rule.hpp"
 #include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
 #include "shared/wire/session_codec.hpp"
@@ -12,50 +10,88 @@
 #include "shared/wire/submap_codec.hpp"
 
 namespace fleetloc {
+namespace {
+
+constexpr Duration kLeastJob = std::chrono::milliseconds(1);  // so that turns are taken in any case
+
+bool is_same(const std::optional<StartPose>& a, const std::optional<StartPose>& b) {
+  if (!a || !b) return !a && !b;
+  return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
+         a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance;
+}
+
+}  // namespace
 
 LocalizerPool::LocalizerPool(std::string name,
                              Epoch epoch,
                              std::shared_ptr<const LaserMap> map,
                              const Config& config)
-    : name_(std::move(name)), epoch_(epoch), map_(std::move(map)), config_(config) {}
+    : name_(std::move(name)),
+      epoch_(epoch),
+      map_(std::move(map)),
+      config_(config),
+      register_(config.sessions) {}
 
 void LocalizerPool::receive(const Message& message, Timestamp now) {
-  if (message.topic == Topic::kSession) receive_session(message.payload);
+  if (message.topic == Topic::kSession) receive_session(message.payload, now);
   if (message.topic == Topic::kSubmap) receive_submap(message.payload, now);
+  if (message.topic == Topic::kRobotStatus) receive_robot_status(message.payload, now);
 }
 
-void LocalizerPool::receive_session(const Bytes& payload) {
+// Announcements to other localizers are heard, too: who goes there has left here.
+void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
   auto decoded = decode_robot_session(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
     ++unattributed_[std::string(name(*reason))];
     return;
   }
   auto& session = std::get<RobotSession>(decoded);
-  if (session.localizer != name_) return;
-  const auto known = robots_.find(session.robot);
-  if (known == robots_.end() && robots_.size() >= config_.max_sessions) {
-    ++unattributed_["too_many_sessions"];
-    return;
+  const SessionVerdict verdict = register_.announced(session, now);
+  if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
+    return refuse_loser(session.robot, verdict, now);
   }
-  Robot& robot = known != robots_.end()
-                     ? known->second
-                     : robots_.emplace(session.robot, Robot(config_.repetition)).first->second;
-  switch (judge(robot.session, session)) {
-    case SessionVerdict::kReplaces:
-      robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);
-      robot.receiver = {};
-      robot.waiting.clear();
-      robot.answer.reset();
-      robot.unsent = false;
-      robot.correction.reset();
-      robot.session = std::move(session);
-      break;
-    case SessionVerdict::kRepeated:
-      break;
-    case SessionVerdict::kOutdated:
-      refuse(session.robot, "outdated_session");
-      break;
+  if (session.localizer != name_) return end(session.robot, "went to " + session.localizer);
+  if (session.epoch != epoch_) return refuse(session.robot, "other_epoch");
+  open(std::move(session), now);
+}
+
+void LocalizerPool::open(RobotSession session, Timestamp now) {
+  const RobotId id = session.robot;
+  auto known = robots_.find(id);
+  if (known == robots_.end()) {
+    if (robots_.size() >= config_.max_sessions) return refuse(id, "too_many_sessions");
+    known = robots_.emplace(id, Robot(config_.repetition)).first;
+    if (const auto former = former_.extract(id)) known->second.report = former.mapped().report;
+    strangers_.erase(id);
   }
+  Robot& robot = known->second;
+  robot.heard = now;
+  const bool is_repeated = robot.session && robot.session->session == session.session &&
+                           robot.session->start_stamp == session.start_stamp;
+  if (is_repeated) return adopt_newer_start(robot, std::move(session));
+  note(id + ": session " + std::to_string(static_cast<std::uint32_t>(session.session)) +
+       (robot.session ? " replaces the one before" : " opened"));
+  ++robot.report.sessions;
+  robot.receiver = {};
+  robot.waiting.clear();
+  robot.waiting_bytes = 0;
+  start_over(robot, std::move(session));
+}
+
+// A job that runs meanwhile keeps its own session; what it finds is dropped.
+void LocalizerPool::start_over(Robot& robot, RobotSession session) {
+  robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);
+  robot.answer.reset();
+  robot.unsent = false;
+  robot.correction.reset();
+  robot.session = std::move(session);
+}
+
+// As long as the localizer knows where the robot is, it knows better than the robot.
+void LocalizerPool::adopt_newer_start(Robot& robot, RobotSession session) {
+  const bool is_localized = robot.answer && robot.answer->status == LocalizationStatus::kLocalized;
+  if (is_localized || !session.start || is_same(session.start, robot.session->start)) return;
+  start_over(robot, std::move(session));
 }
 
 void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
@@ -65,49 +101,88 @@ void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
     return;
   }
   auto& submap = std::get<Submap>(decoded);
+  const SessionVerdict verdict = register_.submap(submap.robot, submap.session, now);
+  if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
+    return refuse_loser(submap.robot, verdict, now);
+  }
   const auto found = robots_.find(submap.robot);
-  if (found == robots_.end()) {
-    ++unattributed_["unknown_robot"];
-    return;
+  if (found == robots_.end() || found->second.session->session != submap.session ||
+      submap.epoch != epoch_) {
+    return request_session(submap, now);
   }
-  Robot& robot = found->second;
-  if (submap.session != robot.session->session) return refuse(submap.robot, "other_session");
+  found->second.heard = now;
+  store(found->second, std::move(submap), payload.size(), now);
+}
+
+void LocalizerPool::store(Robot& robot, Submap submap, std::size_t bytes, Timestamp now) {
   if (!robot.receiver.is_new(submap.number)) return refuse(submap.robot, "seen_before");
-  if (robot.waiting.size() >= config_.max_waiting_submaps) {
-    robot.waiting.pop_front();
-    refuse(submap.robot, "overtaken");
-  }
+  if (robot.waiting.empty() && !robot.running) robot.used = std::max(robot.used, virtual_time_);
   robot.receiver.store(submap.number);
   ++robot.report.submaps;
-  robot.waiting.push_back({std::move(submap), now});
-}
-
-void LocalizerPool::refuse(const RobotId& robot, std::string_view reason) {
-  ++robots_.at(robot).report.refused[std::string(reason)];
-}
-
-std::optional<LocalizerPool::Job> LocalizerPool::take_job() {
-  if (robots_.empty()) return std::nullopt;
-  auto next = robots_.upper_bound(last_served_);
-  for (std::size_t i = 0; i < robots_.size(); ++i, ++next) {
-    if (next == robots_.end()) next = robots_.begin();
-    auto& [id, robot] = *next;
-    if (robot.busy || robot.waiting.empty()) continue;
-    Job job{.robot = id,
-            .received = robot.waiting.front().received,
-            .session = robot.localizer,
-            .submaps = {},
-            .correction = {},
-            .error = {}};
-    for (Waiting& waiting : robot.waiting) {
-      job.submaps.push_back(std::move(waiting.submap));
-    }
-    robot.waiting.clear();
-    robot.busy = true;
-    last_served_ = id;
-    return job;
+  robot.waiting_bytes += bytes;
+  robot.waiting.push_back({.submap = std::move(submap), .received = now, .bytes = bytes});
+  while (robot.waiting.size() > config_.max_waiting_submaps ||
+         (robot.waiting.size() > 1 && robot.waiting_bytes > config_.max_waiting_bytes)) {
+    pop_waiting(robot);
+    ++robot.report.refused["overtaken"];
   }
-  return std::nullopt;
+}
+
+void LocalizerPool::pop_waiting(Robot& robot) {
+  robot.waiting_bytes -= robot.waiting.front().bytes;
+  robot.waiting.pop_front();
+}
+
+void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
+  const auto decoded = decode_robot_status(payload);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
+    ++unattributed_[std::string(name(*reason))];
+    return;
+  }
+  const auto& status = std::get<RobotStatus>(decoded);
+  const SessionVerdict verdict = register_.status(status, now);
+  const auto found = robots_.find(status.robot);
+  if (verdict == SessionVerdict::kCurrent && found != robots_.end()) {
+    found->second.heard = now;
+    found->second.report.status = status;
+  } else if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
+    refuse_loser(status.robot, verdict, now);
+  }
+}
+
+std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
+  Robot* next = nullptr;
+  const RobotId* next_id = nullptr;
+  for (auto& [id, robot] : robots_) {
+    if (robot.running) continue;
+    drop_stale_work(robot, now);
+    if (robot.waiting.empty() || (next != nullptr && next->used <= robot.used)) continue;
+    next = &robot;
+    next_id = &id;
+  }
+  if (next == nullptr) return std::nullopt;
+  Job job{.robot = *next_id,
+          .received = next->waiting.front().received,
+          .started = now,
+          .session = next->localizer,
+          .submaps = {},
+          .correction = {},
+          .error = {}};
+  for (Waiting& waiting : next->waiting) job.submaps.push_back(std::move(waiting.submap));
+  next->waiting.clear();
+  next->waiting_bytes = 0;
+  next->running = next->localizer;
+  virtual_time_ = std::max(virtual_time_, next->used);
+  return job;
+}
+
+// If even the newest has waited too long, the robot has stopped sending.
+void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) {
+  if (robot.waiting.empty()) return;
+  if (to_seconds(now - robot.waiting.back().received) <= config_.max_waiting_s) return;
+  robot.report.refused["stale"] += robot.waiting.size();
+  robot.waiting.clear();
+  robot.waiting_bytes = 0;
 }
 
 // Whatever one robot's submaps bring about, the others are served.
@@ -130,18 +205,31 @@ Answer LocalizerPool::run(Job& job) {
 }
 
 void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Timestamp now) {
-  Robot& robot = robots_.at(job.robot);
-  robot.busy = false;
+  const auto found = robots_.find(job.robot);
+  if (found == robots_.end()) return;
+  Robot& robot = found->second;
+  if (robot.running == job.session) {
+    robot.running.reset();
+    robot.used += std::max(kLeastJob, now - job.started);
+  }
   if (robot.localizer != job.session) return;  // the session was replaced meanwhile
   SessionReport& report = robot.report;
-  if (!job.error.empty()) ++report.refused["error: " + job.error];
+  if (!job.error.empty()) {
+    ++report.refused["error"];
+    report.last_error = job.error;
+  }
   if (answer.status == LocalizationStatus::kLocalized) {
     ++report.localized;
   } else {
     ++report.rejected[std::string(name(answer.status))];
   }
-  report.optimize_ms.push_back(optimize_ms);
-  report.matches.push_back(job.session->diagnostics().matches);
+  report.optimize_ms.add(optimize_ms);
+  report.matches.add(job.session->diagnostics().matches);
+  report.memory_bytes = job.session->memory_bytes();
+  if (report.memory_bytes > config_.max_session_bytes) {
+    refuse(job.robot, "too_much_memory");
+    return end(job.robot, "needs too much memory");
+  }
   answer.robot = job.robot;
   answer.session = robot.session->session;
   answer.localizer = name_;
@@ -160,7 +248,18 @@ void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Ti
 }
 
 std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, double load) {
+  tidy(now);
   std::vector<Outgoing> messages;
+  add_answers(messages, now);
+  add_session_requests(messages);
+  if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
+    status_sent_ = now;
+    messages.push_back({"", {Topic::kLocalizerStatus, encode(status(load))}});
+  }
+  return messages;
+}
+
+void LocalizerPool::add_answers(std::vector<Outgoing>& messages, Timestamp now) {
   for (auto& [id, robot] : robots_) {
     if (!robot.answer) continue;
     if (!robot.unsent && !robot.repetition.due(now, robot.receiver.loss())) continue;
@@ -175,11 +274,6 @@ std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, doub
     }
     send_correction(id, robot, messages);
   }
-  if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
-    status_sent_ = now;
-    messages.push_back({"", {Topic::kLocalizerStatus, encode(status(load))}});
-  }
-  return messages;
 }
 
 // Once: a lost one is made up for by the next.
@@ -202,25 +296,6 @@ LocalizerStatus LocalizerPool::status(double load) const {
           .sessions = static_cast<int>(robots_.size()),
           .load = std::clamp(load, 0.0, 1.0),
           .accepting = robots_.size() < config_.max_sessions};
-}
-
-std::map<RobotId, SessionReport> LocalizerPool::reports() const {
-  std::map<RobotId, SessionReport> reports;
-  for (const auto& [id, robot] : robots_) {
-    SessionReport& report = reports[id] = robot.report;
-    if (robot.localizer && !robot.busy) report.memory_bytes = robot.localizer->memory_bytes();
-  }
-  return reports;
-}
-
-LocalizerPool::Config read_localizer_pool_config(ConfigReader config) {
-  ConfigReader pool = config.section("pool");
-  return {.localizer = read_session_localizer_config(config.section("localizer")),
-          .max_sessions = static_cast<std::size_t>(pool.integer("max_sessions", 1, 100'000)),
-          .max_waiting_submaps =
-              static_cast<std::size_t>(pool.integer("max_waiting_submaps", 1, 10'000)),
-          .status_interval_s = pool.positive("status_interval_s"),
-          .repetition = read_repetition_config(pool.section("repetition"))};
 }
 
 }  // namespace fleetloc

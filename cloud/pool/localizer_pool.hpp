@@ -10,44 +10,45 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "cloud/pool/session_report.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/session.hpp"
 #include "shared/protocol/repetition.hpp"
+#include "shared/protocol/session_register.hpp"
 #include "shared/protocol/submap_receiver.hpp"
 
 namespace fleetloc {
 
 class ConfigReader;
 
-/// What one robot has had of this localizer; written to sessions.json.
-struct SessionReport {
-  std::uint64_t submaps = 0;
-  std::uint64_t localized = 0;
-  std::map<std::string, std::uint64_t> rejected;  ///< localizations, by reason
-  std::map<std::string, std::uint64_t> refused;   ///< messages, by reason
-  std::vector<double> optimize_ms;                ///< of each localization
-  std::vector<double> matches;                    ///< with the map, of each localization
-  std::size_t memory_bytes = 0;
-};
-
 /// The localizer's end of the protocol, for many robots: validates what arrives, keeps a session
 /// per robot, hands out the localizations that are due, and says what to send. It owns no thread
 /// and reads no clock: jobs may run on any thread, one at a time for each robot; everything else
 /// is one thread's.
+///
+/// The workers' time is shared out evenly among the robots that wait, whatever each one's jobs
+/// take. What a robot can occupy is bounded, and given back when it has fallen silent.
 class LocalizerPool {
  public:
   struct Config {
     SessionLocalizer::Config localizer;
     std::size_t max_sessions;
+    std::size_t max_session_bytes;  ///< of one robot's database and problem: then it starts anew
     std::size_t max_waiting_submaps;
+    std::size_t max_waiting_bytes;  ///< of one robot's waiting submaps, as received
+    double max_waiting_s;           ///< then an answer is not worth the work
+    double idle_session_s;          ///< after which a session is given up
+    double session_request_interval_s;
     double status_interval_s;
     Repetition::Config repetition;
+    SessionRegister::Config sessions;
   };
 
   /// One localization: everything that has arrived of one robot since its last one.
   struct Job {
     RobotId robot;
     Timestamp received;  ///< the oldest of the submaps
+    Timestamp started;
     std::shared_ptr<SessionLocalizer> session;
     std::vector<Submap> submaps;
     std::optional<Correction> correction;  ///< what run() found beside the answer
@@ -66,8 +67,8 @@ class LocalizerPool {
 
   void receive(const Message& message, Timestamp now);
 
-  /// The next robot that waits and is not being worked on, in turn.
-  std::optional<Job> take_job();
+  /// Of the robots that wait and are not being worked on, the one that has had the least.
+  std::optional<Job> take_job(Timestamp now);
 
   /// Does the work of a job. Static, since it may run beside everything else.
   static Answer run(Job& job);
@@ -75,12 +76,17 @@ class LocalizerPool {
   /// Takes the result over. `optimize_ms` is only reported.
   void finish(const Job& job, Answer answer, double optimize_ms, Timestamp now);
 
-  /// New answers with their corrections, repetitions of answers, and from time to time the
-  /// localizer's own status.
+  /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<Outgoing> outgoing(Timestamp now, double load);
 
+  /// Robots that are no longer served, since the last call: their partitions need no writers.
+  std::vector<RobotId> take_departed();
+  /// What has changed since the last call, each a line for a log.
+  std::vector<std::string> take_events();
+
+  /// Of the robots that are served, and of the latest that were.
   [[nodiscard]] std::map<RobotId, SessionReport> reports() const;
-  /// Messages that belong to no session, by reason.
+  /// Messages of robots that are not served, by reason.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& unattributed() const {
     return unattributed_;
   }
@@ -90,36 +96,71 @@ class LocalizerPool {
   struct Waiting {
     Submap submap;
     Timestamp received;
+    std::size_t bytes{};
   };
   struct Robot {
     explicit Robot(const Repetition::Config& config) : repetition(config) {}
 
     std::optional<RobotSession> session;
     std::shared_ptr<SessionLocalizer> localizer;
+    std::shared_ptr<SessionLocalizer> running;  // that of the job that is being worked on
     SubmapReceiver receiver;
     std::deque<Waiting> waiting;
-    bool busy = false;
+    std::size_t waiting_bytes = 0;
+    Timestamp heard;
+    Duration used{};               // virtual time: what it has had of the workers
     std::optional<Answer> answer;  // the latest, with the acknowledgements when it was made
     bool unsent = false;
     std::optional<Correction> correction;  // of that answer, until it is sent
     Repetition repetition;
     SessionReport report;
   };
+  /// Sends submaps of a session that is not known here.
+  struct Stranger {
+    Timestamp requested;
+    std::optional<Answer> unsent;
+  };
+  /// No longer served.
+  struct Former {
+    Timestamp heard;
+    SessionReport report;
+  };
 
-  void receive_session(const Bytes& payload);
+  void receive_session(const Bytes& payload, Timestamp now);
   void receive_submap(const Bytes& payload, Timestamp now);
+  void receive_robot_status(const Bytes& payload, Timestamp now);
+  void open(RobotSession session, Timestamp now);
+  void start_over(Robot& robot, RobotSession session);
+  void adopt_newer_start(Robot& robot, RobotSession session);
+  void store(Robot& robot, Submap submap, std::size_t bytes, Timestamp now);
+  void request_session(const Submap& submap, Timestamp now);
+  void end(const RobotId& robot, const std::string& why);
+  void tidy(Timestamp now);
+  void drop_stale_work(Robot& robot, Timestamp now);
+  static void pop_waiting(Robot& robot);
   void refuse(const RobotId& robot, std::string_view reason);
+  void refuse_loser(const RobotId& robot, SessionVerdict verdict, Timestamp now);
+  void note(std::string event);
   void send_correction(const RobotId& id, Robot& robot, std::vector<Outgoing>& messages);
+  void add_answers(std::vector<Outgoing>& messages, Timestamp now);
+  void add_session_requests(std::vector<Outgoing>& messages);
   [[nodiscard]] LocalizerStatus status(double load) const;
 
   std::string name_;
   Epoch epoch_;
   std::shared_ptr<const LaserMap> map_;
   Config config_;
+  SessionRegister register_;
   std::map<RobotId, Robot> robots_;
-  RobotId last_served_;
+  std::map<RobotId, Stranger> strangers_;
+  std::map<RobotId, Former> former_;
+  std::map<RobotId, Timestamp> conflicts_;  // when last seen
+  Duration virtual_time_{};                 // of the robot that was served last
   std::map<std::string, std::uint64_t> unattributed_;
+  std::vector<RobotId> departed_;
+  std::vector<std::string> events_;
   std::optional<Timestamp> status_sent_;
+  std::optional<Timestamp> tidied_;
 };
 
 LocalizerPool::Config read_localizer_pool_config(ConfigReader config);

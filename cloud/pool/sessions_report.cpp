@@ -10,13 +10,24 @@
 namespace fleetloc {
 namespace {
 
-nlohmann::json percentile_json(const std::vector<double>& values, double share) {
-  const auto value = percentile(values, share);
+nlohmann::json percentile_json(const RecentValues& values, double share) {
+  const auto value = percentile(values.values(), share);
   return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
 }
 
+nlohmann::json to_json(const std::optional<RobotStatus>& status) {
+  if (!status) return nullptr;
+  return {{"state", name(status->quality)},
+          {"submaps_sent", status->submaps_sent},
+          {"answers_applied", status->answers_applied},
+          {"round_trip_s",
+           status->round_trip ? nlohmann::json(to_seconds(*status->round_trip))
+                              : nlohmann::json(nullptr)}};
+}
+
 nlohmann::json to_json(const SessionReport& report) {
-  return {{"submaps", report.submaps},
+  return {{"sessions", report.sessions},
+          {"submaps", report.submaps},
           {"localized", report.localized},
           {"rejected", report.rejected},
           {"refused", report.refused},
@@ -24,7 +35,9 @@ nlohmann::json to_json(const SessionReport& report) {
            {{"p50", percentile_json(report.optimize_ms, 0.5)},
             {"p99", percentile_json(report.optimize_ms, 0.99)}}},
           {"matches", {{"p50", percentile_json(report.matches, 0.5)}}},
-          {"memory_bytes", report.memory_bytes}};
+          {"memory_bytes", report.memory_bytes},
+          {"last_error", report.last_error},
+          {"status", to_json(report.status)}};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "cloud/pool/localizer_pool.hpp"
+#include "cloud/pool/worker_load.hpp"
 #include "shared/link/channel.hpp"
 
 namespace fleetloc {
@@ -37,6 +38,7 @@ class SimulatedCloud {
   Duration localization_time_;
   std::function<Duration()> cpu_clock_;
   std::optional<Running> running_;
+  std::optional<WorkerLoad> load_;
 };
 
 }  // namespace fleetloc

@@ -97,8 +97,12 @@ std::optional<DatasetReader::Item> Replay::next() {
 }
 
 void Replay::take(const ImuSample& sample) {
-  recorder_.add_imu_rate_pose(pipeline_.add_imu(sample));
-  if (far_side_) far_side_->cloud.advance(sample.stamp);
+  const PoseEstimate pose = pipeline_.add_imu(sample);
+  recorder_.add_imu_rate_pose(pose);
+  if (far_side_) {
+    far_side_->client.set_quality(pose.quality);
+    far_side_->cloud.advance(sample.stamp);
+  }
   pipeline_.poll(sample.stamp);
   recorder_.take(pipeline_, traffic());
 }

@@ -1,5 +1,6 @@
 #include "robot/cloud_client/cloud_client.hpp"
 
+#include <algorithm>
 #include <tuple>
 #include <utility>
 
@@ -13,6 +14,8 @@
 namespace fleetloc {
 namespace {
 
+constexpr std::size_t kMostEvents = 100;  // nobody reads them
+
 // Two answers are the same information if they agree in this.
 auto identity(const Answer& answer) {
   return std::tuple(
@@ -22,28 +25,31 @@ auto identity(const Answer& answer) {
 }  // namespace
 
 CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
-    : robot_(std::move(robot)), channel_(channel), announcement_(config.session_repetition) {}
+    : robot_(std::move(robot)),
+      channel_(channel),
+      config_(config),
+      choice_(robot_, config.choice) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   session_ = session;
-  sender_.restart(session.session);
+  session_started_ = now;
   newest_.reset();
   correction_.reset();
   corrected_anchor_.reset();
-  answered_ = false;
-  if (!localizer_.empty()) announce(now);
+  if (!used_.empty()) begin_service(now);
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
-  if (localizer_.empty() || !session_) {
+  if (used_.empty() || !session_) {
     ++statistics_.submaps_without_localizer;
     return;
   }
   submap.robot = robot_;
   sender_.prepare(submap, now);
   try {
-    channel_.send(localizer_, {Topic::kSubmap, encode(submap)}, now);
+    channel_.send(used_, {Topic::kSubmap, encode(submap)}, now);
     ++statistics_.submaps_sent;
+    choice_.sent(now);
   } catch (const NotEncodable&) {  // an estimate beyond all bounds; the next one may be sane again
     refuse("not_encodable");
   }
@@ -52,45 +58,33 @@ void CloudClient::submit(Submap submap, Timestamp now) {
 std::vector<Answer> CloudClient::take_answers(Timestamp now) {
   std::vector<Answer> answers;
   for (const Message& message : channel_.receive(now)) {
-    if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload);
+    if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload, now);
     if (message.topic == Topic::kCorrection) receive_correction(message.payload);
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  if (localizer_.empty()) choose_localizer(now);
-  // The first announcement can be lost while the far side is still being matched.
-  if (session_ && !answered_ && announcement_.due(now, 0.0)) announce(now);
+  follow_choice(now);
+  announce_again(now);
+  send_status(now);
   return answers;
 }
 
-void CloudClient::receive_status(const Bytes& payload) {
-  auto decoded = decode_localizer_status(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
-  auto& status = std::get<LocalizerStatus>(decoded);
-  localizers_[status.localizer] = std::move(status);
+void CloudClient::update_start(const StartPose& start) {
+  ++answers_applied_;
+  if (session_) session_->start = start;
+  if (answered_map_) choice_.keep_to(*answered_map_);
 }
 
-std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_answer(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    refuse(name(*reason));
-    return std::nullopt;
+void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
+  auto decoded = decode_localizer_status(payload);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
+  const auto& status = std::get<LocalizerStatus>(decoded);
+  const auto reason = choice_.hear(status, now);
+  if (!reason) return;
+  if (*reason == "conflicting_localizer" && !statistics_.refused.contains(std::string(*reason))) {
+    note("two localizers are named " + status.localizer + ": the one started first is not used");
   }
-  auto& answer = std::get<Answer>(decoded);
-  if (answer.robot != robot_ || !session_ || answer.session != session_->session) {
-    refuse("other_session");
-    return std::nullopt;
-  }
-  if (answer.localizer != localizer_) {
-    refuse("other_localizer");
-    return std::nullopt;
-  }
-  answered_ = true;
-  sender_.acknowledge(answer, now);
-  if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
-  newest_ = answer;
-  ++statistics_.answers_received;
-  return std::move(answer);
+  refuse(*reason);
 }
 
 void CloudClient::receive_correction(const Bytes& payload) {
@@ -100,8 +94,8 @@ void CloudClient::receive_correction(const Bytes& payload) {
   if (correction.robot != robot_ || !session_ || correction.session != session_->session) {
     return refuse("correction_of_other_session");
   }
-  if (correction.localizer != localizer_) return refuse("correction_of_other_localizer");
-  if (newest_ && correction.epoch < newest_->epoch) return refuse("correction_of_old_epoch");
+  if (correction.localizer != used_) return refuse("correction_of_other_localizer");
+  if (correction.epoch != choice_.epoch()) return refuse("correction_of_other_epoch");
   if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
     return refuse("outdated_correction");
   }
@@ -109,28 +103,165 @@ void CloudClient::receive_correction(const Bytes& payload) {
   correction_ = std::move(correction);
 }
 
-// The least loaded one that accepts robots; of equals the first by name.
-void CloudClient::choose_localizer(Timestamp now) {
-  const LocalizerStatus* best = nullptr;
-  for (const auto& [id, status] : localizers_) {
-    if (status.accepting && (best == nullptr || status.load < best->load)) best = &status;
+std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
+  auto decoded = decode_answer(payload);
+  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
+    refuse(name(*reason));
+    return std::nullopt;
   }
-  if (best == nullptr) return;
-  localizer_ = best->localizer;
-  if (session_) announce(now);
+  auto& answer = std::get<Answer>(decoded);
+  if (const auto reason = why_refused(answer)) {
+    refuse(*reason);
+    suspect_shared_id(answer, now);
+    return std::nullopt;
+  }
+  if (answer.status == LocalizationStatus::kNeedFull) {
+    session_requested(answer, now);
+    return std::nullopt;
+  }
+  answered_ = true;
+  choice_.answered(now);
+  sender_.acknowledge(answer, now);
+  if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
+  if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
+  newest_ = answer;
+  ++statistics_.answers_received;
+  return std::move(answer);
+}
+
+std::optional<std::string_view> CloudClient::why_refused(const Answer& answer) const {
+  if (answer.robot != robot_ || !session_ || answer.session != session_->session) {
+    return "other_session";
+  }
+  if (answer.localizer != used_) return "other_localizer";
+  const bool asks = answer.status == LocalizationStatus::kNeedFull;
+  if (asks && !sender_.awaits(answer.keyframe)) return "not_asked";
+  if (answer.epoch < choice_.epoch() || (!asks && answer.epoch != choice_.epoch())) {
+    return "other_epoch";
+  }
+  if (!choice_.is_right(answer.map_hash) && !asks) return "other_map";
+  return std::nullopt;
+}
+
+// The localizer does not know the session: it was restarted, or has forgotten or never heard it.
+void CloudClient::session_requested(const Answer& answer, Timestamp now) {
+  ++statistics_.sessions_requested;
+  answered_ = false;
+  if (answer.epoch != choice_.epoch()) {  // its own status will follow, and say the rest
+    const LocalizerStatus status{.localizer = answer.localizer,
+                                 .epoch = answer.epoch,
+                                 .map_hash = answer.map_hash,
+                                 .accepting = true};
+    static_cast<void>(choice_.hear(status, now));
+    return;
+  }
+  announcement_interval_s_ = config_.announcement_interval_s;
+  if (to_seconds(now - *announced_) >= config_.least_announcement_interval_s) announce(now);
+}
+
+// Answers to an earlier session of this robot would have arrived by then.
+void CloudClient::suspect_shared_id(const Answer& answer, Timestamp now) {
+  constexpr double kSettledSeconds = 30.0;
+  constexpr int kTooMany = 3;
+  if (!session_ || answer.robot != robot_ || answer.session == session_->session) return;
+  if (to_seconds(now - *session_started_) < kSettledSeconds) return;
+  if (++foreign_answers_ == kTooMany) {
+    note("answers to another session arrive: another robot seems to have this id");
+  }
+}
+
+void CloudClient::note_trouble() {
+  if (trouble_ == choice_.trouble()) return;
+  trouble_ = choice_.trouble();
+  note(trouble_.empty() ? "localizer " + used_ + " is fine again"
+                        : "localizer " + trouble_ + ", and there is no other");
+}
+
+void CloudClient::follow_choice(Timestamp now) {
+  using Change = LocalizerChoice::Change;
+  const Change change = choice_.decide(now, link());
+  if (choice_.name().empty() && other_map_ != choice_.other_map()) {
+    other_map_ = choice_.other_map();
+    if (!other_map_.empty()) {
+      note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
+    }
+  }
+  if (change == Change::kNone) return note_trouble();
+  trouble_.clear();
+  if (used_ != choice_.name() && !used_.empty()) channel_.release(used_);
+  if (change == Change::kLeft) note("localizer " + used_ + " is left: " + choice_.reason());
+  used_ = choice_.name();
+  if (change == Change::kLeft) return;
+  ++statistics_.localizers_chosen;
+  other_map_.clear();
+  note("localizer " + used_ + ", started as " +
+       std::to_string(static_cast<std::uint32_t>(choice_.epoch())) + ": " + choice_.reason());
+  begin_service(now);
+}
+
+// Of this session at this start of this localizer.
+void CloudClient::begin_service(Timestamp now) {
+  answered_ = false;
+  status_sent_.reset();
+  announcement_interval_s_ = config_.announcement_interval_s;
+  if (!session_) return;
+  sender_.restart(session_->session, choice_.epoch());
+  announce(now);
 }
 
 void CloudClient::announce(Timestamp now) {
-  session_->localizer = localizer_;
-  channel_.send("", {Topic::kSession, encode(*session_)}, now);
-  announcement_.sent(now);
+  session_->localizer = used_;
+  session_->epoch = choice_.epoch();
+  announced_ = now;
+  try {
+    channel_.send("", {Topic::kSession, encode(*session_)}, now);
+  } catch (const NotEncodable&) {  // a start pose beyond all bounds: better none than no service
+    refuse("not_encodable");
+    session_->start.reset();
+  }
+}
+
+// The first announcement can be lost while the far side is still being matched.
+void CloudClient::announce_again(Timestamp now) {
+  if (!session_ || used_.empty() || answered_) return;
+  if (to_seconds(now - *announced_) < announcement_interval_s_) return;
+  announcement_interval_s_ =
+      std::min(2.0 * announcement_interval_s_, config_.longest_announcement_interval_s);
+  announce(now);
+}
+
+void CloudClient::send_status(Timestamp now) {
+  if (!session_ || used_.empty()) return;
+  if (status_sent_ && to_seconds(now - *status_sent_) < config_.status_interval_s) return;
+  status_sent_ = now;
+  const RobotStatus status{.robot = robot_,
+                           .session = session_->session,
+                           .start_stamp = session_->start_stamp,
+                           .stamp = now,
+                           .quality = quality_,
+                           .submaps_sent = statistics_.submaps_sent,
+                           .answers_applied = answers_applied_,
+                           .round_trip = sender_.round_trip()};
+  channel_.send(used_, {Topic::kRobotStatus, encode(status)}, now);
+}
+
+void CloudClient::note(std::string event) {
+  if (events_.size() < kMostEvents) events_.push_back(std::move(event));
+}
+
+std::vector<std::string> CloudClient::take_events() {
+  return std::exchange(events_, {});
+}
+
+LocalizerChoice::Link CloudClient::link() const {
+  return {.round_trip = sender_.round_trip(), .loss = sender_.loss()};
 }
 
 CloudClient::Statistics CloudClient::statistics() const {
   Statistics statistics = statistics_;
   statistics.round_trip = sender_.round_trip();
   statistics.loss = sender_.loss();
-  statistics.localizer = localizer_;
+  statistics.localizer = used_;
   return statistics;
 }
 
@@ -146,7 +277,12 @@ RunTraffic CloudClient::traffic() const {
 }
 
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
-  return {.session_repetition = read_repetition_config(config.section("session_repetition"))};
+  ConfigReader announcement = config.section("announcement");
+  return {.choice = read_localizer_choice_config(config.section("choice")),
+          .announcement_interval_s = announcement.positive("interval_s"),
+          .longest_announcement_interval_s = announcement.positive("longest_interval_s"),
+          .least_announcement_interval_s = announcement.positive("least_interval_s"),
+          .status_interval_s = config.positive("status_interval_s")};
 }
 
 }  // namespace fleetloc

@@ -7,9 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "robot/cloud_client/localizer_choice.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
-#include "shared/protocol/repetition.hpp"
+#include "shared/model/pose_estimate.hpp"
 #include "shared/protocol/submap_sender.hpp"
 #include "shared/run_folder/run_folder.hpp"
 
@@ -18,17 +19,26 @@ namespace fleetloc {
 class ConfigReader;
 
 /// The robot's end of the protocol: finds a localizer, tells it of the session, sends submaps and
-/// gives each answer once. Without a localizer submaps are dropped and counted, never queued: an
-/// old submap is worth less than the next one.
+/// gives each answer once. When the localizer falls silent, restarts or loses the session, the
+/// session is announced again, with the start pose as it is known by then. Without a localizer
+/// submaps are dropped and counted, never queued: an old submap is worth less than the next one.
+///
+/// From the first applied answer on the robot keeps to that answer's map.
 class CloudClient final : public MapLocalizer {
  public:
   struct Config {
-    Repetition::Config session_repetition;  ///< of the session's announcement, until it is answered
+    LocalizerChoice::Config choice;
+    double announcement_interval_s;  ///< until it is answered; doubles each time
+    double longest_announcement_interval_s;
+    double least_announcement_interval_s;  ///< however often the localizer asks for it
+    double status_interval_s;              ///< of what the robot says of itself
   };
   struct Statistics {
     std::uint64_t submaps_sent = 0;
     std::uint64_t submaps_without_localizer = 0;
     std::uint64_t answers_received = 0;            ///< without repetitions
+    std::uint64_t sessions_requested = 0;          ///< answers that asked for the session
+    std::uint64_t localizers_chosen = 0;           ///< and the same ones after a restart
     std::map<std::string, std::uint64_t> refused;  ///< messages that were not used, by reason
     std::optional<Duration> round_trip;
     double loss = 0.0;  ///< share of samples that do not arrive
@@ -43,33 +53,57 @@ class CloudClient final : public MapLocalizer {
   [[nodiscard]] std::optional<Correction> take_correction() override {
     return std::exchange(correction_, std::nullopt);
   }
-  void update_start(const StartPose& start) override {
-    if (session_) session_->start = start;
-  }
+  /// To be called whenever an answer has been applied.
+  void update_start(const StartPose& start) override;
+
+  /// What the robot tells its localizer of itself from now on.
+  void set_quality(Quality quality) { quality_ = quality; }
 
   [[nodiscard]] Statistics statistics() const;
   /// What the network has moved so far.
   [[nodiscard]] RunTraffic traffic() const;
+  /// What has happened to the service since the last call, each a line for a log.
+  std::vector<std::string> take_events();
 
  private:
-  void receive_status(const Bytes& payload);
-  std::optional<Answer> receive_answer(const Bytes& payload, Timestamp now);
+  void receive_status(const Bytes& payload, Timestamp now);
   void receive_correction(const Bytes& payload);
-  void choose_localizer(Timestamp now);
+  std::optional<Answer> receive_answer(const Bytes& payload, Timestamp now);
+  [[nodiscard]] std::optional<std::string_view> why_refused(const Answer& answer) const;
+  void session_requested(const Answer& answer, Timestamp now);
+  void follow_choice(Timestamp now);
+  void note_trouble();
+  void suspect_shared_id(const Answer& answer, Timestamp now);
+  void begin_service(Timestamp now);
   void announce(Timestamp now);
+  void announce_again(Timestamp now);
+  void send_status(Timestamp now);
   void refuse(std::string_view reason) { ++statistics_.refused[std::string(reason)]; }
+  void note(std::string event);
+  [[nodiscard]] LocalizerChoice::Link link() const;
 
   RobotId robot_;
   Channel& channel_;
-  std::map<std::string, LocalizerStatus> localizers_;  // the latest of each
-  std::string localizer_;                              // the chosen one; empty: none yet
+  Config config_;
+  LocalizerChoice choice_;
+  std::string used_;  // the localizer in whose partition the robot writes
   std::optional<RobotSession> session_;
-  Repetition announcement_;
   bool answered_ = false;  // by the chosen localizer, in this session
+  std::optional<Timestamp> announced_;
+  double announcement_interval_s_ = 0.0;
+  std::optional<Timestamp> status_sent_;
+  Quality quality_ = Quality::kInitializing;
+  std::uint64_t answers_applied_ = 0;
+  std::optional<MapHash> answered_map_;  // of the newest answer with a pose
   SubmapSender sender_;
   std::optional<Answer> newest_;                // of this session
   std::optional<Correction> correction_;        // not yet taken
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
+  std::string other_map_;         // the localizer that was last reported to have another map
+  std::string trouble_;           // that was last reported
+  std::optional<Timestamp> session_started_;
+  int foreign_answers_ = 0;  // late ones, of sessions that are not this robot's
+  std::vector<std::string> events_;
   Statistics statistics_;
 };
 

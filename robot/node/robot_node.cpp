@@ -26,14 +26,15 @@ DdsChannel::Config channel_config(const RobotNodeOptions& options) {
           .link = options.link};
 }
 
-// The time of day orders the runs of a robot's program: the recording's stamps do not.
+// The time of day orders the runs of a robot's program: the recording's stamps do not. Session
+// numbers only tell runs apart, so that they may wrap.
 RobotSetup setup(const RobotNodeOptions& options, const DatasetReader& reader) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now).count();
+  const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
   return {.id = options.id,
           .calibration = reader.calibration(),
           .imu_noise = reader.imu_noise(),
-          .session = SessionNumber{static_cast<std::uint32_t>(seconds)},
+          .session = SessionNumber{static_cast<std::uint32_t>(milliseconds)},
           .program_start = Timestamp{now},
           .T_map_body = options.T_map_body};
 }
@@ -89,7 +90,9 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
   }
   const auto& sample = std::get<ImuSample>(played.item);
   const PoseEstimate pose = pipeline.add_imu(sample);
+  client.set_quality(pose.quality);
   pipeline.poll(sample.stamp);
+  for (const std::string& event : client.take_events()) spdlog::info("{}: {}", id, event);
   recorder.add_imu_rate_pose(pose);
   recorder.take(pipeline, client.traffic());
   if (pose.quality != Quality::kInitializing) publish(pose);

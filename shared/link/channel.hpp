@@ -47,6 +47,9 @@ class Channel {
   [[nodiscard]] virtual std::vector<Message> receive(Timestamp now) = 0;
 
   [[nodiscard]] virtual ChannelStatistics statistics() const = 0;
+
+  /// Gives back what sending to this partition has taken, until something is sent to it again.
+  virtual void release(const std::string& /*partition*/) {}
 };
 
 }  // namespace fleetloc

@@ -24,6 +24,7 @@ struct RobotSession {
   SessionNumber session{};  ///< increases at every reset of the robot's odometry
   Timestamp start_stamp;    ///< when the robot's program started; a later one replaces the session
   std::string localizer;    ///< the chosen one
+  Epoch epoch{};            ///< of that localizer: another start of it is not meant
   SubmapEncoding encoding = SubmapEncoding::kFull;
   RectifiedStereo stereo;
   std::optional<StartPose> start;  ///< without it the session cannot be localized yet

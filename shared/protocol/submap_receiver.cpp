@@ -15,6 +15,7 @@ bool SubmapReceiver::is_new(SampleNumber number) const {
 void SubmapReceiver::store(SampleNumber number) {
   const auto n = static_cast<std::uint32_t>(number);
   if (n < base_) return;
+  if (bitmap_ == 0) base_ = n;  // the first one
   if (n - base_ >= 64) {
     const std::uint32_t shift = n - base_ - 63;
     bitmap_ = shift < 64 ? bitmap_ >> shift : 0;

@@ -23,7 +23,7 @@ class SubmapReceiver {
   [[nodiscard]] double loss() const;
 
  private:
-  std::uint32_t base_ = 0;  // everything below is stored or given up
+  std::uint32_t base_ = 0;  // everything below is stored, given up or before the first
   std::uint64_t bitmap_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -10,11 +11,19 @@ constexpr std::size_t kMaxInFlight = 256;  // answers to older samples time noth
 
 }  // namespace
 
-void SubmapSender::restart(SessionNumber session) {
-  const Epoch epoch = epoch_;
-  *this = {};
-  session_ = session;
-  epoch_ = epoch;
+void SubmapSender::restart(SessionNumber session, Epoch epoch) {
+  SubmapSender fresh;
+  fresh.session_ = session;
+  fresh.epoch_ = epoch;
+  fresh.round_trip_ = round_trip_;  // the network is still the same
+  // A localizer that this robot comes back to may remember the session and its numbers.
+  if (session == session_) fresh.next_number_ = next_number_;
+  *this = std::move(fresh);
+}
+
+bool SubmapSender::awaits(KeyframeId newest) const {
+  return std::ranges::any_of(in_flight_,
+                             [&](const auto& item) { return item.second.newest == newest; });
 }
 
 void SubmapSender::prepare(Submap& submap, Timestamp now) {
@@ -27,12 +36,7 @@ void SubmapSender::prepare(Submap& submap, Timestamp now) {
 }
 
 void SubmapSender::acknowledge(const Answer& answer, Timestamp now) {
-  if (answer.session != session_ || answer.epoch < epoch_) return;
-  if (answer.epoch > epoch_) {
-    epoch_ = answer.epoch;
-    acknowledged_base_ = 0;
-    acknowledged_bitmap_ = 0;
-  }
+  if (answer.session != session_ || answer.epoch != epoch_) return;
   const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);
   if (base > acknowledged_base_) {
     const std::uint32_t shift = base - acknowledged_base_;

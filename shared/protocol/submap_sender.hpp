@@ -9,22 +9,25 @@
 
 namespace fleetloc {
 
-/// The robot's end of the submap stream towards one localizer: numbers what is sent, and learns
-/// from the acknowledgements what arrived and how long that took. A new epoch (the localizer was
-/// restarted, or is another one) voids all acknowledgements.
+/// The robot's end of the submap stream towards one start of one localizer: numbers what is sent,
+/// and learns from the acknowledgements what arrived and how long that took. They count within one
+/// session and epoch.
 class SubmapSender {
  public:
   /// Fills in what identifies the sample. `keyframe` of the newest item times the round trip.
   void prepare(Submap& submap, Timestamp now);
 
-  /// Takes the acknowledgements of an answer; those of another epoch than the current one start
-  /// the counting anew, those of an older epoch are ignored.
+  /// Takes the acknowledgements of an answer; those of another session or epoch are ignored.
   void acknowledge(const Answer& answer, Timestamp now);
 
-  /// A new session: numbers start at zero again.
-  void restart(SessionNumber session);
+  /// A new session, or another start of a localizer, or another localizer: all acknowledgements are
+  /// void. Numbers start at zero with each session.
+  void restart(SessionNumber session, Epoch epoch);
 
-  /// From a submap's sending to the first answer that localizes its newest keyframe.
+  /// True if a submap with this newest keyframe was sent and has not been answered yet.
+  [[nodiscard]] bool awaits(KeyframeId newest) const;
+
+  /// From a submap's sending to the first answer for its newest keyframe; the latest there was.
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
 
   /// Share of the latest samples, up to 64, that should be acknowledged by now and are not.

@@ -64,6 +64,12 @@ ChannelStatistics DdsChannel::statistics() const {
   return statistics;
 }
 
+void DdsChannel::release(const std::string& partition) {
+  if (partition.empty()) return;  // what everyone hears
+  const std::lock_guard lock(sending_);
+  std::erase_if(writers_, [&](const auto& item) { return item.first.second == partition; });
+}
+
 bool DdsChannel::wait_for_message(std::chrono::milliseconds patience) {
   std::unique_lock lock(mutex_);
   return arrived_.wait_for(lock, patience, [this] { return !inbox_.empty(); });

@@ -54,6 +54,8 @@ class DdsChannel final : public Channel {
   void send(const std::string& partition, Message message, Timestamp now) override;
   [[nodiscard]] std::vector<Message> receive(Timestamp now) override;
   [[nodiscard]] ChannelStatistics statistics() const override;
+  /// Disposes of the writers in a partition; the others leave their readers be.
+  void release(const std::string& partition) override;
 
   /// Waits until receive() has something to give, at most for `patience`.
   bool wait_for_message(std::chrono::milliseconds patience);

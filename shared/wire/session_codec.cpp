@@ -38,6 +38,7 @@ Bytes encode(const RobotSession& session) {
   wire::RobotSession sample;
   sample.robot(session.robot);
   sample.localizer(session.localizer);
+  sample.epoch(static_cast<std::uint32_t>(session.epoch));
   sample.session(static_cast<std::uint32_t>(session.session));
   sample.start_stamp_ns(to_wire(session.start_stamp));
   sample.encoding(session.encoding == SubmapEncoding::kFull ? wire::FULL : wire::DELTA);
@@ -63,6 +64,7 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
       .session = SessionNumber{sample.session()},
       .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
       .localizer = sample.localizer().to_string(),
+      .epoch = Epoch{sample.epoch()},
       .encoding = sample.encoding() == wire::FULL ? SubmapEncoding::kFull : SubmapEncoding::kDelta,
       .stereo = {.focal_px = sample.focal_px(),
                  .center_px = {sample.center_px()[0], sample.center_px()[1]},

@@ -10,6 +10,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::uint32_t kMostSessions = 1'000'000;
+constexpr Duration kNotMeasured{-1};
 
 Defect defect_of_sample(const wire::LocalizerStatus& sample) {
   if (sample.sessions() > kMostSessions) return Malformed::kOutOfRange;
@@ -18,6 +19,7 @@ Defect defect_of_sample(const wire::LocalizerStatus& sample) {
 
 Defect defect_of_sample(const wire::RobotStatus& sample) {
   if (const Defect found = defect(sample.quality())) return found;
+  if (const Defect found = defect_of_stamp(sample.start_stamp_ns())) return found;
   return defect_of_stamp(sample.stamp_ns());
 }
 
@@ -41,10 +43,12 @@ Bytes encode(const RobotStatus& status) {
   wire::RobotStatus sample;
   sample.robot(status.robot);
   sample.session(static_cast<std::uint32_t>(status.session));
+  sample.start_stamp_ns(to_wire(status.start_stamp));
   sample.stamp_ns(to_wire(status.stamp));
   sample.quality(to_wire(status.quality));
   sample.submaps_sent(status.submaps_sent);
   sample.answers_applied(status.answers_applied);
+  sample.round_trip_ns(status.round_trip.value_or(kNotMeasured).count());
   expect_encodable(defect_of_sample(sample), "robot status");
   return to_cdr(sample);
 }
@@ -67,12 +71,16 @@ Decoded<RobotStatus> decode_robot_status(std::span<const std::uint8_t> bytes) {
   if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
   const auto& sample = std::get<wire::RobotStatus>(decoded);
   if (const Defect found = defect_of_sample(sample)) return *found;
-  return RobotStatus{.robot = sample.robot().to_string(),
+  RobotStatus status{.robot = sample.robot().to_string(),
                      .session = SessionNumber{sample.session()},
+                     .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
                      .stamp = stamp_from_wire(sample.stamp_ns()),
                      .quality = from_wire(sample.quality()),
                      .submaps_sent = sample.submaps_sent(),
-                     .answers_applied = sample.answers_applied()};
+                     .answers_applied = sample.answers_applied(),
+                     .round_trip = std::nullopt};
+  if (sample.round_trip_ns() >= 0) status.round_trip = Duration{sample.round_trip_ns()};
+  return status;
 }
 
 }  // namespace fleetloc

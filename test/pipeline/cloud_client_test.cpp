@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/config/config_reader.hpp"
+#include "shared/config/default_config.hpp"
 #include "shared/link/memory_network.hpp"
 #include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
@@ -92,11 +94,10 @@ class CloudClientTest : public testing::Test {
   std::unique_ptr<Channel> robot_end_ = network_.join_robot("robot");
   std::unique_ptr<Channel> busy_ = network_.join_cloud("busy");
   std::unique_ptr<Channel> idle_ = network_.join_cloud("idle");
-  CloudClient client_{
-      "robot",
-      *robot_end_,
-      {.session_repetition = {
-           .slowest_interval_s = 1.0, .fastest_interval_s = 1.0, .full_rate_loss = 0.5}}};
+  CloudClient client_{"robot",
+                      *robot_end_,
+                      read_cloud_client_config(
+                          ConfigReader::from_string(default_config("robot")).section("client"))};
 };
 
 TEST_F(CloudClientTest, DropsAndCountsSubmapsWhileThereIsNoLocalizer) {
@@ -179,16 +180,14 @@ TEST_F(CloudClientTest, CountsCorrectionsThatAreNotForItByName) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));
   static_cast<void>(client_.take_answers(at(2)));
-  Answer newer = answer("idle", 1);
-  newer.epoch = Epoch{2};
-  idle_->send("robot", {Topic::kLocalization, encode(newer)}, at(5));
-  static_cast<void>(client_.take_answers(at(10)));
   Correction other_robot = correction("idle", 5);
   other_robot.robot = "other";
   Correction old_session = correction("idle", 5);
   old_session.session = SessionNumber{0};
+  Correction other_epoch = correction("idle", 5);
+  other_epoch.epoch = Epoch{2};
   for (const Correction& unwanted :
-       {other_robot, old_session, correction("busy", 5), correction("idle", 5)}) {
+       {other_robot, old_session, correction("busy", 5), other_epoch}) {
     send(unwanted, 20);
   }
   idle_->send("robot", {Topic::kCorrection, Bytes{0, 1, 0, 0, 9, 9}}, at(20));
@@ -197,8 +196,63 @@ TEST_F(CloudClientTest, CountsCorrectionsThatAreNotForItByName) {
   const auto refused = client_.statistics().refused;
   EXPECT_EQ(refused.at("correction_of_other_session"), 2);
   EXPECT_EQ(refused.at("correction_of_other_localizer"), 1);
-  EXPECT_EQ(refused.at("correction_of_old_epoch"), 1);
+  EXPECT_EQ(refused.at("correction_of_other_epoch"), 1);
   EXPECT_EQ(refused.at("undecodable"), 1);
+}
+
+TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestStartPose) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  client_.submit(submap_of(7), at(20));
+  idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 7))}, at(30));
+  EXPECT_EQ(client_.take_answers(at(40)).size(), 1);
+  StartPose start;
+  start.T_map_odom.p.x() = 42.0;
+  client_.update_start(start);
+  static_cast<void>(idle_->receive(at(50)));
+
+  Answer request = answer("idle", 99);
+  request.status = LocalizationStatus::kNeedFull;
+  idle_->send("robot", {Topic::kLocalization, encode(request)}, at(900));
+  EXPECT_TRUE(client_.take_answers(at(910)).empty());
+  EXPECT_EQ(client_.statistics().refused.at("not_asked"), 1) << "no such submap was sent";
+  EXPECT_EQ(count(idle_->receive(at(910)), Topic::kSession), 0);
+
+  client_.submit(submap_of(8), at(920));
+  request.keyframe = KeyframeId{8};
+  int announcements = 0;
+  for (int ms = 930; ms < 1330; ms += 10) {  // many requests
+    idle_->send("robot", {Topic::kLocalization, encode(request)}, at(ms));
+    EXPECT_TRUE(client_.take_answers(at(ms)).empty());
+    for (const Message& message : idle_->receive(at(ms))) {
+      if (message.topic != Topic::kSession) continue;
+      ++announcements;
+      const auto session = std::get<RobotSession>(decode_robot_session(message.payload));
+      EXPECT_EQ(session.start->T_map_odom.p.x(), 42.0);
+      EXPECT_EQ(session.epoch, Epoch{1});
+    }
+  }
+  EXPECT_EQ(announcements, 1);
+}
+
+TEST_F(CloudClientTest, SendsItsStateOnceASecondToItsLocalizerOnly) {
+  announce(*idle_, "idle", 0.1, 0);
+  announce(*busy_, "busy", 0.9, 0);
+  client_.start_session(some_session(), at(1));
+  client_.set_quality(Quality::kDeadReckoning);
+  int states = 0;
+  for (int ms = 10; ms < 10'000; ms += 10) {
+    static_cast<void>(client_.take_answers(at(ms)));
+    EXPECT_EQ(count(busy_->receive(at(ms)), Topic::kRobotStatus), 0);
+    for (const Message& message : idle_->receive(at(ms))) {
+      if (message.topic != Topic::kRobotStatus) continue;
+      ++states;
+      const auto status = std::get<RobotStatus>(decode_robot_status(message.payload));
+      EXPECT_EQ(status.quality, Quality::kDeadReckoning);
+    }
+  }
+  EXPECT_EQ(states, 10);
 }
 
 TEST_F(CloudClientTest, CountsByNameWhatItDoesNotUse) {

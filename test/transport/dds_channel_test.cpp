@@ -97,6 +97,14 @@ TEST_F(DdsChannelTest, HearsOnlyItsOwnPartition) {
   EXPECT_EQ(robot_.matched_readers(Topic::kSubmap, "cloud_2"), 0);
 }
 
+TEST_F(DdsChannelTest, WritesAgainToAPartitionThatWasReleased) {
+  for (std::uint32_t number = 1; number < 4; ++number) {
+    EXPECT_TRUE(receives(
+        cloud_, [&] { send(numbered_submap(number)); }, with_number(number)));
+    robot_.release("cloud_1");
+  }
+}
+
 TEST_F(DdsChannelTest, RefusesAPartitionThatWouldReachOthers) {
   EXPECT_THROW(robot_.send("cloud*", numbered_submap(1), {}), std::invalid_argument);
 }

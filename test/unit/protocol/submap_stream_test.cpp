@@ -74,14 +74,22 @@ TEST(SubmapReceiver, MeasuresTheShareThatIsLost) {
   EXPECT_NEAR(receiver.loss(), 0.75, 0.03);
 }
 
+TEST(SubmapReceiver, CountsNothingAsLostBeforeItsFirstSample) {
+  SubmapReceiver receiver;
+  receiver.store(SampleNumber{400});
+  EXPECT_EQ(receiver.loss(), 0.0);
+  receiver.store(SampleNumber{403});
+  EXPECT_EQ(receiver.loss(), 0.5);
+}
+
 TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
   SubmapSender sender;
-  sender.restart(SessionNumber{1});
+  sender.restart(SessionNumber{1}, Epoch{1});
   Submap submap = with_keyframe(1);
   sender.prepare(submap, at(0));
   sender.prepare(submap, at(1));
   EXPECT_EQ(submap.number, SampleNumber{1});
-  sender.restart(SessionNumber{2});
+  sender.restart(SessionNumber{2}, Epoch{1});
   sender.prepare(submap, at(2));
   EXPECT_EQ(submap.number, SampleNumber{0});
   EXPECT_EQ(submap.session, SessionNumber{2});
@@ -90,7 +98,7 @@ TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
 TEST(SubmapSender, MeasuresRoundTripAndLoss) {
   SubmapSender sender;
   SubmapReceiver receiver;
-  sender.restart(SessionNumber{1});
+  sender.restart(SessionNumber{1}, Epoch{1});
   for (std::uint32_t i = 0; i < 40; ++i) {
     Submap submap = with_keyframe(i);
     const int now = static_cast<int>(i) * 100;
@@ -107,7 +115,7 @@ TEST(SubmapSender, MeasuresRoundTripAndLoss) {
 TEST(SubmapSender, ANewEpochVoidsTheAcknowledgements) {
   SubmapSender sender;
   SubmapReceiver receiver;
-  sender.restart(SessionNumber{1});
+  sender.restart(SessionNumber{1}, Epoch{1});
   for (std::uint32_t i = 0; i < 10; ++i) {
     Submap submap = with_keyframe(i);
     sender.prepare(submap, at(0));
@@ -115,15 +123,29 @@ TEST(SubmapSender, ANewEpochVoidsTheAcknowledgements) {
   }
   sender.acknowledge(answer_to(9, receiver), at(1));
   EXPECT_GT(sender.loss(), 0.5);
-  SubmapReceiver restarted;
-  restarted.store(SampleNumber{0});
-  sender.acknowledge(answer_to(9, restarted, 2), at(2));
+  sender.restart(SessionNumber{1}, Epoch{2});
   EXPECT_EQ(sender.loss(), 0.0);
   sender.acknowledge(answer_to(9, receiver, 1), at(3));  // late, from before the restart
   EXPECT_EQ(sender.loss(), 0.0);
   Submap submap = with_keyframe(10);
   sender.prepare(submap, at(4));
   EXPECT_EQ(submap.epoch, Epoch{2});
+  EXPECT_EQ(submap.number, SampleNumber{10});  // the session's
+}
+
+TEST(SubmapSender, KnowsWhatAwaitsAnAnswer) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1}, Epoch{1});
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    Submap submap = with_keyframe(i);
+    sender.prepare(submap, at(0));
+  }
+  sender.acknowledge(answer_to(1, receiver), at(1));
+  EXPECT_FALSE(sender.awaits(KeyframeId{0}));
+  EXPECT_FALSE(sender.awaits(KeyframeId{1}));
+  EXPECT_TRUE(sender.awaits(KeyframeId{2}));
+  EXPECT_FALSE(sender.awaits(KeyframeId{3}));
 }
 
 }  // namespace

@@ -74,6 +74,7 @@ inline RobotSession some_session() {
           .session = SessionNumber{4'294'967'295},
           .start_stamp = Timestamp{Duration{1'403'636'579'763'555'584}},
           .localizer = "cloud-with-a-name-of-32-characte",
+          .epoch = Epoch{4'000'000'000},
           .encoding = SubmapEncoding::kFull,
           .stereo = {.focal_px = 458.654,
                      .center_px = {1024.0, 1024.0},
@@ -135,10 +136,12 @@ inline LocalizerStatus some_localizer_status() {
 inline RobotStatus some_robot_status() {
   return {.robot = "robot_1",
           .session = SessionNumber{2},
+          .start_stamp = Timestamp{Duration{1'403'636'579'763'555'584}},
           .stamp = Timestamp{Duration{77}},
           .quality = Quality::kDeadReckoning,
           .submaps_sent = 5'000'000'000,
-          .answers_applied = 4'999'999'999};
+          .answers_applied = 4'999'999'999,
+          .round_trip = Duration{123'456'789}};
 }
 
 inline RobotPoseEstimate some_pose_estimate() {

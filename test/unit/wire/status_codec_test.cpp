@@ -25,10 +25,18 @@ TEST(StatusCodec, RoundTripPreservesARobotStatus) {
   const auto received = std::get<RobotStatus>(decode_robot_status(encode(sent)));
   EXPECT_EQ(received.robot, sent.robot);
   EXPECT_EQ(received.session, sent.session);
+  EXPECT_EQ(received.start_stamp, sent.start_stamp);
   EXPECT_EQ(received.stamp, sent.stamp);
   EXPECT_EQ(received.quality, sent.quality);
   EXPECT_EQ(received.submaps_sent, sent.submaps_sent);
   EXPECT_EQ(received.answers_applied, sent.answers_applied);
+  EXPECT_EQ(received.round_trip, sent.round_trip);
+}
+
+TEST(StatusCodec, RoundTripPreservesTheLackOfARoundTrip) {
+  RobotStatus sent = some_robot_status();
+  sent.round_trip.reset();
+  EXPECT_FALSE(std::get<RobotStatus>(decode_robot_status(encode(sent))).round_trip);
 }
 
 TEST(StatusCodec, RefusesALocalizerStatusWithAReason) {
@@ -56,6 +64,9 @@ TEST(StatusCodec, RefusesARobotStatusWithAReason) {
                         [](auto& sample) { sample.quality(static_cast<wire::Quality>(4)); });
   expect_status_refused(
       kOutOfRange, [](auto& sample) { sample.stamp_ns(std::numeric_limits<std::int64_t>::max()); });
+  expect_status_refused(kOutOfRange, [](auto& sample) {
+    sample.start_stamp_ns(std::numeric_limits<std::int64_t>::min());
+  });
 }
 
 TEST(StatusCodec, TellsWhatItCannotEncode) {

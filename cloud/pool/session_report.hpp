@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/model/robot_status.hpp"
+
+namespace fleetloc {
+
+/// The latest values of a series, at most kMost.
+class RecentValues {
+ public:
+  static constexpr std::size_t kMost = 1000;
+
+  void add(double value) {
+    if (values_.size() < kMost) {
+      values_.push_back(static_cast<float>(value));
+    } else {
+      values_[next_] = static_cast<float>(value);
+      next_ = (next_ + 1) % kMost;
+    }
+  }
+
+  [[nodiscard]] std::vector<double> values() const { return {values_.begin(), values_.end()}; }
+
+ private:
+  std::vector<float> values_;
+  std::size_t next_ = 0;  // the oldest, once there are kMost
+};
+
+/// What one robot has had of this localizer; written to sessions.json.
+struct SessionReport {
+  std::uint64_t sessions = 0;  ///< opened
+  std::uint64_t submaps = 0;
+  std::uint64_t localized = 0;
+  std::map<std::string, std::uint64_t> rejected;  ///< localizations, by reason
+  std::map<std::string, std::uint64_t> refused;   ///< messages and work, by reason
+  RecentValues optimize_ms;                       ///< of each localization
+  RecentValues matches;                           ///< with the map, of each localization
+  std::size_t memory_bytes = 0;                   ///< after the latest localization
+  std::string last_error;                         ///< what the latest exception said
+  std::optional<RobotStatus> status;              ///< the latest
+};
+
+}  // namespace fleetloc

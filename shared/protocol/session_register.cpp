@@ -1,0 +1,102 @@
+#include "shared/protocol/session_register.hpp"
+
+#include <algorithm>
+
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kMostLosers = 4;
+
+}  // namespace
+
+SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp now) {
+  const Session announced{session.start_stamp, session.session};
+  const auto known = robots_.find(session.robot);
+  if (known == robots_.end()) {
+    make_room();
+    robots_[session.robot] = {.current = announced, .accepted = now, .heard = now, .losers = {}};
+    return SessionVerdict::kReplaces;
+  }
+  Robot& robot = known->second;
+  if (announced == robot.current) {
+    robot.heard = now;
+    return SessionVerdict::kCurrent;
+  }
+  const bool wins = announced > robot.current || to_seconds(now - robot.heard) > config_.silence_s;
+  const Session loser = wins ? robot.current : announced;
+  if (std::ranges::find(robot.losers, loser) == robot.losers.end()) robot.losers.push_back(loser);
+  if (robot.losers.size() > kMostLosers) robot.losers.pop_front();
+  if (!wins) return verdict_on_loser(robot, announced, now);
+  std::erase(robot.losers, announced);
+  robot.current = announced;
+  robot.accepted = now;
+  robot.heard = now;
+  return SessionVerdict::kReplaces;
+}
+
+SessionVerdict SessionRegister::submap(const RobotId& id, SessionNumber session, Timestamp now) {
+  const auto known = robots_.find(id);
+  if (known == robots_.end()) return SessionVerdict::kUnknown;
+  Robot& robot = known->second;
+  if (session == robot.current.number) {
+    robot.heard = now;
+    return SessionVerdict::kCurrent;
+  }
+  const auto loser = std::ranges::find(robot.losers, session, &Session::number);
+  if (loser == robot.losers.end()) return SessionVerdict::kUnknown;
+  return verdict_on_loser(robot, *loser, now);
+}
+
+SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now) {
+  const auto known = robots_.find(status.robot);
+  if (known == robots_.end()) return SessionVerdict::kUnknown;
+  Robot& robot = known->second;
+  const Session session{status.start_stamp, status.session};
+  if (session == robot.current) {
+    robot.heard = now;
+    return SessionVerdict::kCurrent;
+  }
+  if (session > robot.current) return SessionVerdict::kUnknown;
+  return verdict_on_loser(robot, session, now);
+}
+
+// A robot that resets its odometry leaves a session behind without another robot being there.
+SessionVerdict SessionRegister::verdict_on_loser(const Robot& robot,
+                                                 const Session& loser,
+                                                 Timestamp now) const {
+  const bool settled = to_seconds(now - robot.accepted) > config_.settling_s;
+  const bool other_robot = loser.start_stamp != robot.current.start_stamp;
+  return settled && other_robot ? SessionVerdict::kConflict : SessionVerdict::kOutdated;
+}
+
+void SessionRegister::make_room() {
+  if (robots_.size() < config_.most_robots) return;
+  robots_.erase(
+      std::ranges::min_element(robots_, {}, [](const auto& item) { return item.second.heard; }));
+}
+
+std::string_view name(SessionVerdict verdict) {
+  switch (verdict) {
+    case SessionVerdict::kReplaces:
+      return "new_session";
+    case SessionVerdict::kCurrent:
+      return "current_session";
+    case SessionVerdict::kUnknown:
+      return "unknown_session";
+    case SessionVerdict::kOutdated:
+      return "outdated_session";
+    case SessionVerdict::kConflict:
+      return "conflicting_session";
+  }
+  return "unknown";
+}
+
+SessionRegister::Config read_session_register_config(ConfigReader config) {
+  return {.settling_s = config.positive("settling_s"),
+          .silence_s = config.positive("silence_s"),
+          .most_robots = static_cast<std::size_t>(config.integer("most_robots", 1, 1'000'000))};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <string_view>
+
+#include "shared/core/ids.hpp"
+#include "shared/core/time.hpp"
+#include "shared/model/robot_status.hpp"
+#include "shared/model/session.hpp"
+
+namespace fleetloc {
+
+class ConfigReader;
+
+/// What a message says of its robot's sessions.
+enum class SessionVerdict {
+  kReplaces,  ///< the robot is new or was restarted, or its odometry was reset
+  kCurrent,   ///< of the session in force
+  kUnknown,   ///< of a session that was never announced, or whose announcement was lost
+  kOutdated,  ///< of a session that was replaced: an old datagram
+  kConflict,  ///< the same, but its robot lives: two robots have one id
+};
+
+/// Which session of each robot is in force. A later start of the program wins, and within one run
+/// of the program the higher session number: a restarted robot is accepted at once, and an old
+/// datagram brings nothing back. What the loser still sends a while later is a conflict. A session
+/// that has fallen silent gives way to any other: the robot's clock may have been set back.
+///
+/// Announcements to other localizers count, too, so that every localizer comes to the same verdict.
+class SessionRegister {
+ public:
+  struct Config {
+    double settling_s;        ///< after a replacement: datagrams of the old session may arrive
+    double silence_s;         ///< then the session in force gives way to any other
+    std::size_t most_robots;  ///< beyond it, the one that was heard least recently is forgotten
+  };
+
+  explicit SessionRegister(const Config& config) : config_(config) {}
+
+  SessionVerdict announced(const RobotSession& session, Timestamp now);
+  SessionVerdict submap(const RobotId& robot, SessionNumber session, Timestamp now);
+  SessionVerdict status(const RobotStatus& status, Timestamp now);
+
+  [[nodiscard]] std::size_t robots() const { return robots_.size(); }
+
+ private:
+  struct Session {
+    Timestamp start_stamp;
+    SessionNumber number{};
+    auto operator<=>(const Session&) const = default;
+  };
+  struct Robot {
+    Session current;
+    Timestamp accepted;
+    Timestamp heard;
+    std::deque<Session> losers;  // the latest
+  };
+
+  void make_room();
+  [[nodiscard]] SessionVerdict verdict_on_loser(const Robot& robot,
+                                                const Session& loser,
+                                                Timestamp now) const;
+
+  Config config_;
+  std::map<RobotId, Robot> robots_;
+};
+
+/// Verdicts as they stand in logs and sessions.json, e.g. "conflicting_session".
+std::string_view name(SessionVerdict verdict);
+
+SessionRegister::Config read_session_register_config(ConfigReader config);
+
+}  // namespace fleetloc

@@ -1,0 +1,114 @@
+// What one robot sends and receives is its own business, however many others there are.
+//
+// Compared are the bytes of one exchange (a submap and a robot status up, an answer down), headers
+// of RTPS, UDP and IP included. Discovery comes on top now and then, and does grow with the number
+// of participants; in the least of many exchanges there is none.
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <idl/statusPubSubTypes.h>
+
+#include "shared/link/datagrams.hpp"
+#include "test/transport/test_network.hpp"
+#include "test/transport/wire_samples.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kRows = 200;  // of the submaps: one datagram
+constexpr int kExchanges = 25;
+constexpr std::chrono::seconds kLost{2};  // a sample that has not arrived by then
+
+Message status_of(const std::string& robot) {
+  wire::RobotStatus status;
+  status.robot(robot);
+  return {.topic = Topic::kRobotStatus, .payload = to_bytes<wire::RobotStatusPubSubType>(status)};
+}
+
+bool arrive(DdsChannel& channel, std::size_t messages) {
+  const auto deadline = std::chrono::steady_clock::now() + kLost;
+  std::size_t arrived = 0;
+  while (arrived < messages && std::chrono::steady_clock::now() < deadline) {
+    channel.wait_for_message(std::chrono::milliseconds(20));
+    arrived += channel.receive({}).size();
+  }
+  return arrived >= messages;
+}
+
+struct Pair {
+  std::string robot, localizer;
+  DdsChannel& robot_end;
+  DdsChannel& cloud_end;
+
+  bool exchange(std::uint32_t number) const {
+    robot_end.send(localizer, numbered_submap(number, robot, kRows), {});
+    robot_end.send(localizer, status_of(robot), {});
+    if (!arrive(cloud_end, 2)) return false;
+    cloud_end.send(robot, answer_to(number, wire::LOCALIZED), {});
+    return arrive(robot_end, 1);
+  }
+  bool is_matched() const {
+    return matches(robot_end, Topic::kSubmap, localizer) &&
+           matches(robot_end, Topic::kRobotStatus, localizer) &&
+           matches(cloud_end, Topic::kLocalization, robot);
+  }
+};
+
+struct ExchangeBytes {
+  std::uint64_t sent = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t received = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// Of the first pair, while each of the others makes an exchange of its own.
+ExchangeBytes least_bytes(const std::vector<Pair>& pairs) {
+  ExchangeBytes least;
+  for (std::uint32_t number = 1; number <= kExchanges; ++number) {
+    const ChannelStatistics before = pairs.front().robot_end.statistics();
+    bool complete = true;
+    for (const Pair& pair : pairs) complete = pair.exchange(number) && complete;
+    if (!complete) continue;
+    const ChannelStatistics after = pairs.front().robot_end.statistics();
+    least.sent = std::min(least.sent, after.sent_wire_bytes - before.sent_wire_bytes);
+    least.received =
+        std::min(least.received, after.received_wire_bytes - before.received_wire_bytes);
+  }
+  return least;
+}
+
+TEST(PartitionTraffic, OfARobotStaysTheSameWhenALocalizerAndNineRobotsJoin) {
+  const TestNetwork network;
+  const auto join = [&](ChannelRole role, const std::string& name) {
+    return std::make_unique<DdsChannel>(on_loopback(network.domain(), role, name));
+  };
+  const auto cloud_1 = join(ChannelRole::kCloud, "cloud_1");
+  const auto robot_1 = join(ChannelRole::kRobot, "robot_1");
+  std::vector<Pair> pairs{{"robot_1", "cloud_1", *robot_1, *cloud_1}};
+  ASSERT_TRUE(pairs[0].is_matched());
+  const ExchangeBytes alone = least_bytes(pairs);
+
+  std::size_t expected = 0;
+  for (const Message& message : {numbered_submap(1, "robot_1", kRows), status_of("robot_1")}) {
+    expected += datagram_sizes(message.payload.size()).front();
+  }
+  EXPECT_EQ(alone.sent, expected);
+
+  const auto cloud_2 = join(ChannelRole::kCloud, "cloud_2");
+  std::vector<std::unique_ptr<DdsChannel>> robots;
+  for (int i = 2; i <= 10; ++i) {
+    const std::string name = "robot_" + std::to_string(i);
+    robots.push_back(join(ChannelRole::kRobot, name));
+    const bool is_first = i % 2 == 0;
+    pairs.push_back(
+        {name, is_first ? "cloud_1" : "cloud_2", *robots.back(), is_first ? *cloud_1 : *cloud_2});
+    ASSERT_TRUE(pairs.back().is_matched()) << name;
+  }
+  const ExchangeBytes among_others = least_bytes(pairs);
+  EXPECT_EQ(among_others.sent, alone.sent);
+  EXPECT_EQ(among_others.received, alone.received);
+}
+
+}  // namespace
+}  // namespace fleetloc

@@ -1,0 +1,101 @@
+#include "shared/protocol/session_register.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fleetloc {
+namespace {
+
+using enum SessionVerdict;
+
+Timestamp at(double s) {
+  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s))};
+}
+
+RobotSession session(double start_s, std::uint32_t number, const RobotId& robot = "robot") {
+  RobotSession result;
+  result.robot = robot;
+  result.start_stamp = at(start_s);
+  result.session = SessionNumber{number};
+  return result;
+}
+
+RobotStatus status(double start_s, std::uint32_t number) {
+  RobotStatus result;
+  result.robot = "robot";
+  result.start_stamp = at(start_s);
+  result.session = SessionNumber{number};
+  return result;
+}
+
+class SessionRegisterTest : public testing::Test {
+ protected:
+  SessionVerdict announce(double start_s, std::uint32_t number, double now_s) {
+    return sessions_.announced(session(start_s, number), at(now_s));
+  }
+  SessionVerdict submap(std::uint32_t number, double now_s) {
+    return sessions_.submap("robot", SessionNumber{number}, at(now_s));
+  }
+
+  SessionRegister sessions_{{.settling_s = 5.0, .silence_s = 20.0, .most_robots = 3}};
+};
+
+TEST_F(SessionRegisterTest, TakesTheFirstSessionOfARobot) {
+  EXPECT_EQ(submap(1, 0), kUnknown);
+  EXPECT_EQ(announce(10, 1, 0), kReplaces);
+  EXPECT_EQ(announce(10, 1, 1), kCurrent);
+  EXPECT_EQ(submap(1, 1), kCurrent);
+  EXPECT_EQ(submap(2, 1), kUnknown);
+}
+
+TEST_F(SessionRegisterTest, AResetOfTheOdometryReplacesTheSessionWithoutAConflict) {
+  announce(10, 1, 0);
+  EXPECT_EQ(announce(10, 2, 1), kReplaces);
+  EXPECT_EQ(submap(1, 2), kOutdated);
+  EXPECT_EQ(submap(1, 10), kOutdated);
+  EXPECT_EQ(announce(10, 1, 10), kOutdated);
+}
+
+TEST_F(SessionRegisterTest, ARestartedRobotReplacesTheSessionThoughItsNumberIsLower) {
+  announce(10, 7, 0);
+  EXPECT_EQ(announce(11, 1, 1), kReplaces);
+  EXPECT_EQ(submap(7, 2), kOutdated);
+}
+
+TEST_F(SessionRegisterTest, AnOldSampleDoesNotBringAnOldSessionBack) {
+  announce(11, 1, 0);
+  EXPECT_EQ(announce(10, 7, 1), kOutdated);
+  EXPECT_EQ(submap(1, 2), kCurrent);
+}
+
+TEST_F(SessionRegisterTest, WhatTheOlderOfTwoRobotsStillSendsIsAConflict) {
+  announce(10, 1, 0);
+  announce(11, 2, 1);
+  for (int s = 1; s < 60; ++s) {
+    EXPECT_EQ(submap(2, s), kCurrent);
+    const SessionVerdict expected = s <= 6 ? kOutdated : kConflict;
+    EXPECT_EQ(submap(1, s), expected) << s;
+    EXPECT_EQ(announce(10, 1, s), expected) << s;
+    EXPECT_EQ(sessions_.status(status(10, 1), at(s)), expected) << s;
+    EXPECT_EQ(sessions_.status(status(11, 2), at(s)), kCurrent);
+  }
+}
+
+TEST_F(SessionRegisterTest, ASilentSessionGivesWayToARobotWhoseClockWasSetBack) {
+  announce(1000, 1, 0);
+  EXPECT_EQ(announce(10, 2, 19), kConflict);
+  EXPECT_EQ(announce(10, 2, 21), kReplaces);
+  EXPECT_EQ(submap(2, 22), kCurrent);
+  EXPECT_EQ(submap(1, 23), kOutdated);
+}
+
+TEST_F(SessionRegisterTest, ForgetsTheRobotThatWasHeardLeastRecentlyWhenItIsFull) {
+  for (int i = 0; i < 4; ++i) {
+    sessions_.announced(session(10, 1, "robot_" + std::to_string(i)), at(i == 0 ? 50 : i));
+  }
+  EXPECT_EQ(sessions_.robots(), 3);
+  EXPECT_EQ(sessions_.submap("robot_1", SessionNumber{1}, at(60)), kUnknown);
+  EXPECT_EQ(sessions_.submap("robot_0", SessionNumber{1}, at(60)), kCurrent);
+}
+
+}  // namespace
+}  // namespace fleetloc
