@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -123,7 +124,7 @@ class RobotPipeline {
   FeatureTracker tracker_;
   Initializer initializer_;
   FrameEstimator frame_estimator_;
-  PoseFusion fusion_;
+  std::unique_ptr<PoseFusion> fusion_;
   ImuBuffer imu_;
 
   std::deque<Frame> pending_;
