@@ -171,23 +171,11 @@ void RobotPipeline::start_session(Timestamp now) {
   localizer_->start_session(session, now);
 }
 
-// The start pose holds at the first image; the initialization knows the motion since then. Its
-// uncertainty is stated by a person, along the axes of the map.
+// The start pose holds at the first image; the initialization knows the motion since then.
 StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   const Pose T_map_body = T_map_body_first * initialization_->T_first_newest;
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
-  const StartUncertainty& sigma = config_.start;
-  const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
-  const Eigen::Vector3d rotation_sigma(
-      sigma.tilt_sigma_rad, sigma.tilt_sigma_rad, sigma.yaw_sigma_rad);
-  Matrix6d covariance_body = Matrix6d::Zero();
-  covariance_body.topLeftCorner<3, 3>() =
-      R_body_map * rotation_sigma.cwiseAbs2().asDiagonal() * R_body_map.transpose();
-  covariance_body.bottomRightCorner<3, 3>() =
-      Eigen::Matrix3d::Identity() * sigma.position_sigma_m * sigma.position_sigma_m;
-  const Matrix6d A = adjoint(T_odom_body);
-  return {.T_map_odom = T_map_body * inverse(T_odom_body),
-          .covariance = A * covariance_body * A.transpose()};
+  return start_pose_at(T_map_body, T_odom_body, config_.start);
 }
 
 // From the gyroscope alone; nothing where the IMU has a gap.

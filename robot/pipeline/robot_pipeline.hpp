@@ -11,6 +11,7 @@
 #include "robot/fusion/pose_fusion.hpp"
 #include "robot/inertial/imu_buffer.hpp"
 #include "robot/pipeline/back_end.hpp"
+#include "robot/pipeline/start_pose.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
@@ -21,13 +22,6 @@
 namespace fleetloc {
 
 class ConfigReader;
-
-/// How well a start pose that a person gives is known.
-struct StartUncertainty {
-  double position_sigma_m;
-  double yaw_sigma_rad;
-  double tilt_sigma_rad;  ///< of roll and pitch
-};
 
 /// A robot as it stands at the start of its program.
 struct RobotSetup {
