@@ -47,19 +47,22 @@ Matrix15d transition_of(const Preintegration& step, const NavState& from, const 
   return F;
 }
 
-void advance(ImuPrediction& prediction,
-             const ImuSample& from,
-             const ImuSample& to,
-             const ImuNoise& noise) {
-  const std::array<ImuSample, 2> ends{from, to};
-  const Preintegration step(ends, prediction.state.bias, noise);
+void advance(ImuPrediction& prediction, const Preintegration& step) {
   const NavState next = step.predict(prediction.state);
   const Matrix15d F = transition_of(step, prediction.state, next);
   prediction.transition = F * prediction.transition;
   prediction.noise = F * prediction.noise * F.transpose() + noise_of(step, prediction.state, next);
   prediction.state = next;
+}
+
+void advance(ImuPrediction& prediction,
+             const ImuSample& from,
+             const ImuSample& to,
+             const ImuNoise& noise) {
+  const std::array<ImuSample, 2> ends{from, to};
+  advance(prediction, Preintegration(ends, prediction.state.bias, noise));
   prediction.stamp = to.stamp;
-  prediction.angular_velocity = to.angular_velocity - next.bias.gyroscope;
+  prediction.angular_velocity = to.angular_velocity - prediction.state.bias.gyroscope;
 }
 
 ImuPrediction predict(const OdometryEstimate& start,

@@ -26,6 +26,9 @@ void advance(ImuPrediction& prediction,
              const ImuSample& to,
              const ImuNoise& noise);
 
+/// The same through a preintegrated interval, but for stamp and angular velocity.
+void advance(ImuPrediction& prediction, const Preintegration& step);
+
 /// All steps through `samples`, the first of which is at the stamp of `start`. At least one.
 ImuPrediction predict(const OdometryEstimate& start,
                       std::span<const ImuSample> samples,

@@ -8,23 +8,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "shared/geometry/so3.hpp"
+#include "robot/fusion/map_tilt.hpp"
 
 namespace fleetloc {
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180.0;
-
-// x and y of gravity's upward direction as the map sees it, in odom: zero if the map is not tilted.
-struct Tilt {
-  Eigen::Vector2d value;
-  Eigen::Matrix<double, 2, 3> J_rotation;  // by the right perturbation of R_map_odom
-};
-
-Tilt tilt_of(const Eigen::Quaterniond& R_map_odom) {
-  const Eigen::Vector3d up_odom = R_map_odom.conjugate() * Eigen::Vector3d::UnitZ();
-  return {up_odom.head<2>(), hat(up_odom).topRows<2>()};
-}
 
 }  // namespace
 
@@ -61,15 +50,17 @@ std::optional<StartPose> MapAlignment::pose() const {
   return StartPose{T_map_odom_, P_.topLeftCorner<6, 6>()};
 }
 
+std::optional<StartPose> MapAlignment::start_pose() const {
+  const std::optional<StartPose> held = pose();
+  return held ? std::optional(rivals_.hedged(*held)) : std::nullopt;
+}
+
 // Nothing but the answer and gravity is used: d = -Ad(T_odom_body) * (J_error * u + white).
 bool MapAlignment::initialize(const AnswerMeasurement& answer) {
   const Pose T_map_odom = alignment_from(answer);
   const Matrix6d covariance = alignment_covariance(answer);
-  const Tilt tilt = tilt_of(T_map_odom.R);
-  const Eigen::Matrix2d R = config_.map_tilt * config_.map_tilt * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d S =
-      tilt.J_rotation * covariance.topLeftCorner<3, 3>() * tilt.J_rotation.transpose() + R;
-  if (tilt.value.dot(S.llt().solve(tilt.value)) > config_.tilt_gate_chi_square) {
+  const MapTilt tilt = tilt_of(T_map_odom.R);
+  if (chi_square(tilt, covariance, config_.map_tilt) > config_.tilt_gate_chi_square) {
     return false;
   }
   T_map_odom_ = T_map_odom;
@@ -81,13 +72,13 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
 
   Eigen::Matrix<double, 2, 12> H = Eigen::Matrix<double, 2, 12>::Zero();
   H.leftCols<3>() = tilt.J_rotation;
-  update<2>(-tilt.value, H, R);
+  update<2>(-tilt.value, H, config_.map_tilt * config_.map_tilt * Eigen::Matrix2d::Identity());
   map_hash_ = answer.map_hash;
   error_stamp_ = answer.stamp;
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
-  rivals_.clear();
+  rivals_.restart(answer);
   return true;
 }
 
@@ -157,7 +148,7 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   }
   update<6>(residual, H, answer.white);
   last_applied_ = answer.stamp;
-  rivals_.clear();
+  rivals_.support(answer);
   return AnswerOutcome::kApplied;
 }
 

@@ -17,7 +17,7 @@ enum class AnswerOutcome {
   kRestarted,        ///< applied; contradicted what was believed before and replaced it
   kGated,            ///< contradicts what is believed (chi-square)
   kImplausibleTilt,  ///< would start the filter with gravity too far from the map's -z
-  kWrongMap,         ///< refers to another map than the first applied answer
+  kWrongMap,  ///< refers to another map than the first applied answer: says nothing of this one
 };
 
 constexpr bool is_applied(AnswerOutcome outcome) {
@@ -52,6 +52,8 @@ class MapAlignment {
 
   /// T_map_odom with covariance, from the first applied answer on.
   [[nodiscard]] std::optional<StartPose> pose() const;
+  /// The same, with a covariance that reaches to what contradicting answers say.
+  [[nodiscard]] std::optional<StartPose> start_pose() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
   /// Rejected answers agree with each other on something else.
   [[nodiscard]] bool contradicted() const { return rivals_.contradict(); }

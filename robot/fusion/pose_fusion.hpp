@@ -1,13 +1,11 @@
 #pragma once
 
-#include <deque>
+#include <memory>
 #include <optional>
 #include <string_view>
 
-#include "robot/fusion/imu_prediction.hpp"
 #include "robot/fusion/map_alignment.hpp"
 #include "robot/fusion/odometry_drift.hpp"
-#include "robot/inertial/imu_buffer.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/core/ids.hpp"
 #include "shared/model/answer.hpp"
@@ -18,35 +16,34 @@
 namespace fleetloc {
 
 /// The robot's pose in odom and map at IMU rate, from IMU, odometry and late, lossy answers of the
-/// cloud. Delayed-state filter (Lynen et al. 2013) in two blocks:
-///
-/// - odom: inertial prediction from the odometry's last state. Answers never touch it, so the odom
-///   pose is as smooth as the odometry.
-/// - map: T_map_odom (MapAlignment). An answer is a measurement of it at the answer's own stamp,
-///   against the odometry's estimate of that frame; what came after is then replayed in order,
-///   with all decisions, so that the order of arrival does not matter.
+/// cloud. A delayed-state filter (Lynen et al. 2013): what is measured counts at its own stamp, and
+/// what came after is replayed in order, with all decisions, so that the order of arrival does not
+/// matter. The odom pose is an inertial prediction from the odometry's last state; answers never
+/// touch it, so it is as smooth as the odometry.
 ///
 /// What the quality of an estimate means for a robot that moves:
 /// - kInitializing: there is no pose. Stand still.
 /// - kLocalized: drive.
 /// - kDeadReckoning: the map pose is as good as its covariance says, which grows with the distance.
 ///   Drive on while the covariance fits the space around; slow down, and stop where it does not.
-/// - kLost: the map pose must not be used: no answer yet, or several answers contradict it, or the
-///   odometry has fallen silent. Stop, or go on by what sensors see at once. The odom pose stays
-///   usable in the first two cases.
-///
-/// Approximations: the covariance of T_map_body is that of T_map_odom at the newest frame, moved to
-/// the body, plus the noise of one frame, plus the inertial prediction since that frame; these
-/// three are taken as independent. Frames keep the odometry's causal estimate: a later revision of
-/// a keyframe is not taken over. T_map_odom is linearized about the estimate (EKF, not iterated).
+/// - kLost: the map pose must not be used: no answer yet, or several answers contradict it, or its
+///   covariance has grown beyond the configured limit, or the odometry has fallen silent. Stop, or
+///   go on by what sensors see at once. The odom pose stays usable but in the last case.
 ///
 /// Everything runs in the caller's thread.
 class PoseFusion {
  public:
+  enum class Formulation {
+    kTwoBlocks,     ///< TwoBlockFusion
+    kSingleFilter,  ///< SingleFilterFusion, the paper's
+  };
   struct Config {
+    Formulation formulation{};
     double buffer_s = 0.0;            ///< how late an answer may be
     double localized_for_s = 0.0;     ///< after the stamp of the last applied answer
     double odometry_timeout_s = 0.0;  ///< without odometry for longer, kLost
+    double lost_beyond_m = 0.0;       ///< sigma of the map position, worst direction
+    double lost_beyond_rad = 0.0;     ///< sigma of the map rotation, worst axis
     OdometryDrift::Config drift;
     MapAlignment::Config answers;
   };
@@ -65,64 +62,37 @@ class PoseFusion {
     int revised = 0;  ///< verdicts on later answers that the replay has turned
   };
 
-  PoseFusion(const ImuNoise& noise, const Config& config);
+  PoseFusion() = default;
+  virtual ~PoseFusion() = default;
+  PoseFusion(const PoseFusion&) = delete;
+  PoseFusion& operator=(const PoseFusion&) = delete;
 
   /// A sample that is not newer than the last one changes nothing.
-  PoseEstimate add_imu(const ImuSample& sample);
+  virtual PoseEstimate add_imu(const ImuSample& sample) = 0;
 
   /// The odometry's state at the stamp of a frame; stamps increase. IMU samples newer than it are
   /// replayed on top.
-  Verdict add_odometry(const OdometryEstimate& estimate);
+  virtual Verdict add_odometry(const OdometryEstimate& estimate) = 0;
 
   /// Answers in any order, repeated or not at all.
-  Verdict add_answer(const Answer& answer);
+  virtual Verdict add_answer(const Answer& answer) = 0;
 
   /// The pose at a frame's stamp, by what is known now. Nothing unless odometry and IMU samples of
   /// the buffer cover the stamp: so add the sample after a frame first.
-  [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const;
+  [[nodiscard]] virtual std::optional<PoseEstimate> estimate_at(Timestamp stamp) const = 0;
 
-  /// The odometry starts anew with an origin of its own: odom poses and T_map_odom are forgotten,
-  /// and only answers of this session count from now on. Before the first call all do.
-  void reset(SessionNumber session);
+  /// The odometry starts anew with an origin of its own: odom poses, T_map_odom and the map that it
+  /// refers to are forgotten, and only answers of this session count from now on. Before the first
+  /// call all do.
+  virtual void reset(SessionNumber session) = 0;
 
   /// T_map_odom as it is now, to start a session of the cloud with; from the first applied answer
-  /// on, also while lost.
-  [[nodiscard]] std::optional<StartPose> start_pose() const;
-
- private:
-  struct StoredAnswer {
-    Revision revision{};
-    AnswerMeasurement measurement;
-    std::optional<AnswerOutcome> outcome;  ///< none before the first replay
-  };
-  struct Frame {
-    OdometryEstimate odometry;
-    DriftStep drift;  ///< since the frame before
-    std::optional<StoredAnswer> answer;
-  };
-
-  [[nodiscard]] std::string_view why_unusable(const Answer& answer) const;
-  [[nodiscard]] std::string_view why_no_frame(Timestamp stamp) const;
-  [[nodiscard]] PoseEstimate estimate(const ImuPrediction& prediction) const;
-  [[nodiscard]] Matrix6d map_covariance(const StartPose& alignment,
-                                        const ImuPrediction& prediction) const;
-  [[nodiscard]] Quality quality_at(Timestamp stamp) const;
-  void predict_from_newest_frame();
-  void forget_old_frames();
-  int replay_answers();
-
-  ImuNoise noise_;
-  Config config_;
-  std::optional<SessionNumber> session_;
-  ImuBuffer imu_;
-  std::optional<ImuSample> last_imu_;
-  std::deque<Frame> frames_;                 ///< the last buffer_s of the odometry
-  bool newest_frame_is_ahead_ = false;       ///< of the IMU: prediction_ is from the one before
-  std::optional<ImuPrediction> prediction_;  ///< at last_imu_
-  OdometryDrift drift_;
-  MapAlignment oldest_;     ///< just before frames_.front()
-  MapAlignment alignment_;  ///< at frames_.back()
+  /// on, also while lost. Where answers contradict it, its covariance reaches to what they say.
+  [[nodiscard]] virtual std::optional<StartPose> start_pose() const = 0;
 };
+
+std::unique_ptr<PoseFusion> make_pose_fusion(const ImuNoise& noise,
+                                             const PoseFusion::Config& config);
 
 PoseFusion::Config read_pose_fusion_config(ConfigReader section);
 

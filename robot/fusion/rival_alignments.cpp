@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -10,6 +11,20 @@ namespace {
 constexpr std::size_t kMostRivals = 4;
 
 }  // namespace
+
+void Evidence::add(const AnswerMeasurement& answer, double window_s) {
+  const auto source =
+      std::find_if(sources_.begin(), sources_.end(), [&answer](const Source& candidate) {
+        return candidate.localizer == answer.localizer && candidate.epoch == answer.epoch;
+      });
+  if (source == sources_.end()) {
+    sources_.push_back({answer.localizer, answer.epoch, answer.stamp});
+    ++independent_;
+  } else if (to_seconds(answer.stamp - source->counted) > window_s) {
+    source->counted = answer.stamp;
+    ++independent_;
+  }
+}
 
 RivalAlignments::RivalAlignments(const Config& config) : config_(config) {}
 
@@ -27,24 +42,27 @@ bool RivalAlignments::agrees(const Rival& rival, const AnswerMeasurement& answer
   return chi_square(error, S) <= config_.gate_chi_square;
 }
 
-bool RivalAlignments::is_independent(Rival& rival, const AnswerMeasurement& answer) const {
-  const auto source =
-      std::find_if(rival.sources.begin(), rival.sources.end(), [&answer](const Source& candidate) {
-        return candidate.localizer == answer.localizer && candidate.epoch == answer.epoch;
-      });
-  if (source == rival.sources.end()) {
-    rival.sources.push_back({answer.localizer, answer.epoch, answer.stamp});
-    return true;
+bool RivalAlignments::contradicts(const Rival& rival) const {
+  return rival.agreeing >= config_.lost_after;
+}
+
+void RivalAlignments::restart(const AnswerMeasurement& answer) {
+  held_ = rivals_.empty() ? Evidence() : std::move(rivals_.back().evidence);
+  held_.add(answer, config_.window_s);
+  rivals_.clear();
+}
+
+void RivalAlignments::support(const AnswerMeasurement& applied) {
+  held_.add(applied, config_.window_s);
+  for (Rival& rival : rivals_) {
+    ++rival.applied_since;
   }
-  if (to_seconds(answer.stamp - source->counted) <= config_.window_s) {
-    return false;
-  }
-  source->counted = answer.stamp;
-  return true;
+  std::erase_if(rivals_,
+                [this](const Rival& rival) { return rival.applied_since >= config_.lost_after; });
 }
 
 bool RivalAlignments::add(const AnswerMeasurement& rejected) {
-  auto rival = std::find_if(rivals_.begin(), rivals_.end(), [&](const Rival& candidate) {
+  const auto rival = std::find_if(rivals_.begin(), rivals_.end(), [&](const Rival& candidate) {
     return agrees(candidate, rejected);
   });
   if (rival == rivals_.end()) {
@@ -59,18 +77,24 @@ bool RivalAlignments::add(const AnswerMeasurement& rejected) {
   chosen.T_map_odom = alignment_from(rejected);
   chosen.covariance = alignment_covariance(rejected);
   ++chosen.agreeing;
-  chosen.independent += is_independent(chosen, rejected) ? 1 : 0;
-  return chosen.independent >= config_.restart_after;
+  chosen.applied_since = 0;
+  chosen.evidence.add(rejected, config_.window_s);
+  return chosen.evidence.independent() >= std::min(config_.restart_after, held_.independent() + 1);
 }
 
 bool RivalAlignments::contradict() const {
-  return std::any_of(rivals_.begin(), rivals_.end(), [this](const Rival& rival) {
-    return rival.agreeing >= config_.lost_after;
-  });
+  return std::any_of(
+      rivals_.begin(), rivals_.end(), [this](const Rival& rival) { return contradicts(rival); });
 }
 
-void RivalAlignments::clear() {
-  rivals_.clear();
+StartPose RivalAlignments::hedged(StartPose held) const {
+  for (const Rival& rival : rivals_) {
+    if (contradicts(rival)) {
+      const Vector6d difference = local_coordinates(held.T_map_odom, rival.T_map_odom);
+      held.covariance += difference * difference.transpose();
+    }
+  }
+  return held;
 }
 
 }  // namespace fleetloc

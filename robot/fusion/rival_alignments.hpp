@@ -4,30 +4,17 @@
 #include <vector>
 
 #include "robot/fusion/answer_measurement.hpp"
+#include "shared/model/session.hpp"
 
 namespace fleetloc {
 
-/// What rejected answers say that agree with each other: if a gate rejects them all, the mistake
-/// may be the filter's. An alignment is trusted once enough of its answers are independent: their
-/// windows do not overlap, or another start of a localizer made them. A value, for replay.
-class RivalAlignments {
+/// How many answers speak for something. They are independent if their windows do not overlap, or
+/// if another start of a localizer made them.
+class Evidence {
  public:
-  struct Config {
-    double gate_chi_square = 0.0;  ///< 6 degrees of freedom
-    double window_s = 0.0;         ///< length of the cloud's window
-    int lost_after = 0;            ///< agreeing rejected answers that contradict the filter
-    int restart_after = 0;         ///< independent ones among them that replace it
-  };
-  explicit RivalAlignments(const Config& config);
-
-  /// T_map_odom has become that much more uncertain.
-  void drift(const Matrix6d& covariance);
-
-  /// Takes a rejected answer. True: what it says has been said often enough to be believed.
-  bool add(const AnswerMeasurement& rejected);
-
-  [[nodiscard]] bool contradict() const;
-  void clear();
+  /// @param window_s  length of the cloud's window
+  void add(const AnswerMeasurement& answer, double window_s);
+  [[nodiscard]] int independent() const { return independent_; }
 
  private:
   struct Source {
@@ -35,17 +22,55 @@ class RivalAlignments {
     Epoch epoch{};
     Timestamp counted;  ///< stamp of its last answer that counted
   };
+  std::vector<Source> sources_;
+  int independent_ = 0;
+};
+
+/// What rejected answers say that agree with each other: if a gate rejects them all, the mistake
+/// may be the filter's. An alignment replaces the one that is held as soon as more independent
+/// answers speak for it, or enough of them. A value, for replay.
+class RivalAlignments {
+ public:
+  struct Config {
+    double gate_chi_square = 0.0;  ///< 6 degrees of freedom
+    double window_s = 0.0;         ///< length of the cloud's window
+    int lost_after = 0;            ///< agreeing rejected answers contradict the filter; so many
+                                   ///< applied ones in a row end that
+    int restart_after = 0;         ///< independent answers that replace the filter's alignment,
+                                   ///< however many it rests on
+  };
+  explicit RivalAlignments(const Config& config);
+
+  /// T_map_odom has become that much more uncertain.
+  void drift(const Matrix6d& covariance);
+
+  /// What is held rests on this answer now; or, if it had been rejected, on those that agreed.
+  void restart(const AnswerMeasurement& answer);
+
+  /// Takes an applied answer.
+  void support(const AnswerMeasurement& applied);
+
+  /// Takes a rejected answer. True: what it says is to replace what is held.
+  bool add(const AnswerMeasurement& rejected);
+
+  [[nodiscard]] bool contradict() const;
+
+  /// With a covariance that reaches to the alignments that contradict it.
+  [[nodiscard]] StartPose hedged(StartPose held) const;
+
+ private:
   struct Rival {
     Pose T_map_odom;  ///< by its newest answer alone
     Matrix6d covariance;
     int agreeing = 0;
-    int independent = 0;
-    std::vector<Source> sources;
+    int applied_since = 0;  ///< answers that spoke against it in a row
+    Evidence evidence;
   };
   [[nodiscard]] bool agrees(const Rival& rival, const AnswerMeasurement& answer) const;
-  [[nodiscard]] bool is_independent(Rival& rival, const AnswerMeasurement& answer) const;
+  [[nodiscard]] bool contradicts(const Rival& rival) const;
 
   Config config_;
+  Evidence held_;
   std::vector<Rival> rivals_;  ///< the one agreed with last is last
 };
 

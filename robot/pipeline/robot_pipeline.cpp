@@ -28,13 +28,14 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
-      fusion_(inflated(setup_.imu_noise, config.frame_estimator.noise), config.fusion) {}
+      fusion_(make_pose_fusion(inflated(setup_.imu_noise, config.frame_estimator.noise),
+                               config.fusion)) {}
 
 PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
   ++imu_samples_;
   if (!imu_.add(sample)) ++refused_imu_samples_;
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
-  PoseEstimate pose = fusion_.add_imu(sample);
+  PoseEstimate pose = fusion_->add_imu(sample);
   if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
   process_pending();
   return pose;
@@ -81,7 +82,7 @@ FrameOutput RobotPipeline::take_frame(Frame frame) {
   }
   previous_frame_ = tracks.stamp;
   if (cpu_clock_) output.tracking_cpu = cpu_clock_() - begin;
-  if (const auto pose = fusion_.estimate_at(tracks.stamp)) output.pose = *pose;
+  if (const auto pose = fusion_->estimate_at(tracks.stamp)) output.pose = *pose;
   output.pose.stamp = tracks.stamp;
   return output;
 }
@@ -108,7 +109,7 @@ void RobotPipeline::initialize(const TrackedFrame& frame) {
 bool RobotPipeline::estimate(const TrackedFrame& frame) {
   const auto result = frame_estimator_.estimate(frame, imu_);
   if (!result) return false;
-  fusion_.add_odometry(result->estimate);
+  fusion_->add_odometry(result->estimate);
   if (!result->wants_keyframe || back_end_busy_) return false;
   auto imu = imu_.between(newest_keyframe_, frame.stamp);
   if (imu.empty()) return false;
@@ -144,8 +145,8 @@ void RobotPipeline::take_back_end(Timestamp now) {
 // The cloud will answer for this keyframe too, so fusion must know it.
 void RobotPipeline::fuse_first_window() {
   const WindowKeyframe& newest = window_->keyframes.back();
-  fusion_.reset(setup_.session);
-  fusion_.add_odometry({newest.stamp, newest.state, window_->covariance});
+  fusion_->reset(setup_.session);
+  fusion_->add_odometry({newest.stamp, newest.state, window_->covariance});
 }
 
 void RobotPipeline::take_cloud(Timestamp now) {
@@ -155,7 +156,7 @@ void RobotPipeline::take_cloud(Timestamp now) {
     if (setup_.align_once && aligned_) {
       output.reason = "aligned_once";
     } else {
-      const auto verdict = fusion_.add_answer(output.answer);
+      const auto verdict = fusion_->add_answer(output.answer);
       output.applied = verdict.applied;
       output.reason = verdict.reason;
       aligned_ = aligned_ || verdict.applied;
@@ -176,23 +177,11 @@ void RobotPipeline::start_session(Timestamp now) {
   localizer_->start_session(session, now);
 }
 
-// The start pose holds at the first image; the initialization knows the motion since then. Its
-// uncertainty is stated by a person, along the axes of the map.
+// The start pose holds at the first image; the initialization knows the motion since then.
 StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   const Pose T_map_body = T_map_body_first * initialization_->T_first_newest;
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
-  const StartUncertainty& sigma = config_.start;
-  const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
-  const Eigen::Vector3d rotation_sigma(
-      sigma.tilt_sigma_rad, sigma.tilt_sigma_rad, sigma.yaw_sigma_rad);
-  Matrix6d covariance_body = Matrix6d::Zero();
-  covariance_body.topLeftCorner<3, 3>() =
-      R_body_map * rotation_sigma.cwiseAbs2().asDiagonal() * R_body_map.transpose();
-  covariance_body.bottomRightCorner<3, 3>() =
-      Eigen::Matrix3d::Identity() * sigma.position_sigma_m * sigma.position_sigma_m;
-  const Matrix6d A = adjoint(T_odom_body);
-  return {.T_map_odom = T_map_body * inverse(T_odom_body),
-          .covariance = A * covariance_body * A.transpose()};
+  return start_pose_at(T_map_body, T_odom_body, config_.start);
 }
 
 // From the gyroscope alone; nothing where the IMU has a gap.

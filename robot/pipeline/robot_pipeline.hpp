@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "robot/fusion/pose_fusion.hpp"
 #include "robot/inertial/imu_buffer.hpp"
 #include "robot/pipeline/back_end.hpp"
+#include "robot/pipeline/start_pose.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
@@ -20,13 +22,6 @@
 namespace fleetloc {
 
 class ConfigReader;
-
-/// How well a start pose that a person gives is known.
-struct StartUncertainty {
-  double position_sigma_m;
-  double yaw_sigma_rad;
-  double tilt_sigma_rad;  ///< of roll and pitch
-};
 
 /// A robot as it stands at the start of its program.
 struct RobotSetup {
@@ -127,7 +122,7 @@ class RobotPipeline {
   FeatureTracker tracker_;
   Initializer initializer_;
   FrameEstimator frame_estimator_;
-  PoseFusion fusion_;
+  std::unique_ptr<PoseFusion> fusion_;
   ImuBuffer imu_;
 
   std::deque<Frame> pending_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "robot/fusion/pose_fusion.hpp"
@@ -16,6 +17,12 @@ namespace fleetloc {
 inline PoseFusion::Config fusion_config() {
   auto reader = ConfigReader::from_string(default_config("robot"));
   return read_pose_fusion_config(reader.section("fusion"));
+}
+
+inline PoseFusion::Config single_filter_config() {
+  PoseFusion::Config config = fusion_config();
+  config.formulation = PoseFusion::Formulation::kSingleFilter;
+  return config;
 }
 
 /// Of EuRoC's IMU.
@@ -88,9 +95,11 @@ inline Pose true_T_map_odom() {
 
 /// A fusion that is fed with a drive: IMU at 100 Hz, frames at 10 Hz, each 50 ms late.
 class FedFusion {
+  std::unique_ptr<PoseFusion> owned_;
+
  public:
   explicit FedFusion(const PoseFusion::Config& config = fusion_config())
-      : fusion(euroc_imu_noise(), config) {}
+      : owned_(make_pose_fusion(euroc_imu_noise(), config)), fusion(*owned_) {}
 
   /// Drives on until `t`. The last output is kept.
   void drive_to(double t, bool with_odometry = true) {
@@ -108,7 +117,7 @@ class FedFusion {
   }
 
   CircularDrive drive;
-  PoseFusion fusion;
+  PoseFusion& fusion;
   PoseEstimate output;
 
  private:

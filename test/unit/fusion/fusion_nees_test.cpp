@@ -25,7 +25,8 @@ class DriftingRun {
 
   /// Runs `config`; returns the sum and the number of squared normalized errors.
   std::pair<double, int> squared_errors(const PoseFusion::Config& config) {
-    PoseFusion fusion(euroc_imu_noise(), config);
+    const auto owned = make_pose_fusion(euroc_imu_noise(), config);
+    PoseFusion& fusion = *owned;
     std::vector<Answer> sent;
     double sum = 0.0;
     int count = 0;
@@ -147,6 +148,25 @@ TEST(FusionNees, WouldBeManyIfTheErrorsWereTakenForWhite) {
   const auto [nees, refused] = run_all(fusion_config(), white);
   std::cout << "NEES per degree of freedom, white noise assumed: " << nees << "\n";
   EXPECT_GT(nees, 3.0);
+}
+
+// The paper's filter takes all errors for white.
+TEST(FusionNees, OfTheSingleFilterIsNearOneWithWhiteErrors) {
+  PoseFusion::Config white = fusion_config();
+  white.answers.noise.white_share = 1.0;
+  const auto [nees, refused] = run_all(white, single_filter_config());
+  std::cout << "NEES per degree of freedom, single filter, white errors: " << nees << ", "
+            << refused << " answers refused\n";
+  EXPECT_GT(nees, 0.8);
+  EXPECT_LT(nees, 1.25);
+  EXPECT_LT(refused, kSeeds);
+}
+
+TEST(FusionNees, OfTheSingleFilterIsManyWithCorrelatedAnswers) {
+  const auto [nees, refused] = run_all(fusion_config(), single_filter_config());
+  std::cout << "NEES per degree of freedom, single filter, correlated errors: " << nees << ", "
+            << refused << " answers refused\n";
+  EXPECT_GT(nees, 2.0);
 }
 
 // A robot at rest whose localizer has seen `answers` independent views; each answer is the mean of

@@ -220,11 +220,13 @@ TEST(LateAnswers, GiveTheSameInAnyOrderWithOutliersAndRepetitions) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 generator(seed);
     const auto arrivals = repeated_and_revised(some_arrivals(generator, 0.01));
-    const StartPose expected = fuse(delivered_at_once(arrivals), fusion_config());
-    for (int permutation = 0; permutation < 3; ++permutation) {
-      const StartPose result = fuse(delivered_at_random(arrivals, generator), fusion_config());
-      EXPECT_LT(local_coordinates(expected.T_map_odom, result.T_map_odom).norm(), 1e-9);
-      EXPECT_LT((expected.covariance - result.covariance).norm(), 1e-12);
+    for (const PoseFusion::Config& config : {fusion_config(), single_filter_config()}) {
+      const StartPose expected = fuse(delivered_at_once(arrivals), config);
+      for (int permutation = 0; permutation < 3; ++permutation) {
+        const StartPose result = fuse(delivered_at_random(arrivals, generator), config);
+        EXPECT_LT(local_coordinates(expected.T_map_odom, result.T_map_odom).norm(), 1e-9);
+        EXPECT_LT((expected.covariance - result.covariance).norm(), 1e-12);
+      }
     }
   }
 }
@@ -244,11 +246,11 @@ TEST(LateAnswers, TurnVerdictsThatStoodOnLess) {
   EXPECT_LT((fed.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm(), 0.05);
 }
 
-TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {
-  PoseFusion::Config short_buffer = fusion_config();
+void expect_no_effect_of_the_buffer(const PoseFusion::Config& config) {
+  PoseFusion::Config short_buffer = config;
   short_buffer.buffer_s = 10.0;
   FedFusion a(short_buffer);
-  FedFusion b;
+  FedFusion b(config);
   for (int i = 1; i <= 25; ++i) {
     for (FedFusion* fed : {&a, &b}) {
       fed->drive_to(1.0 * i + 1.0);
@@ -259,6 +261,11 @@ TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {
   }
   EXPECT_EQ(a.fusion.start_pose()->covariance, b.fusion.start_pose()->covariance);
   EXPECT_EQ(a.fusion.start_pose()->T_map_odom.p, b.fusion.start_pose()->T_map_odom.p);
+}
+
+TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {
+  expect_no_effect_of_the_buffer(fusion_config());
+  expect_no_effect_of_the_buffer(single_filter_config());
 }
 
 }  // namespace

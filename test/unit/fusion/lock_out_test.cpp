@@ -1,4 +1,5 @@
-// Gates must not lock the truth out for ever, nor let a few wrong answers in.
+// Gates must not lock the truth out for ever, nor let a few wrong answers in; and meanwhile no
+// wrong pose is given for certain.
 #include <gtest/gtest.h>
 
 #include "test/unit/fusion/fed_fusion.hpp"
@@ -13,18 +14,26 @@ Pose elsewhere(double x) {
 }
 
 // Localized where it is not: at `elsewhere(3)`.
-class LockOut : public testing::Test {
+class LockOut : public testing::TestWithParam<PoseFusion::Formulation> {
  protected:
-  LockOut() {
+  LockOut() : LockOut([](PoseFusion::Config&) {}) {}
+
+  template <typename Change>
+  explicit LockOut(const Change& change) : fed_(config(change)) {
     fed_.drive_to(2.0);
-    fed_.answer_at(1.0, elsewhere(3.0));
+    EXPECT_TRUE(fed_.answer_at(1.0, elsewhere(3.0)).applied);
   }
-  PoseFusion::Verdict truth_from(const std::string& localizer, double t) {
+  PoseFusion::Verdict answer_from(const std::string& localizer, double t, const Pose& T_map_odom) {
     fed_.drive_to(t + 1.0);
-    Answer said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
+    Answer said = answer(t, T_map_odom * fed_.drive.pose(t));
     said.localizer = localizer;
     return fed_.fusion.add_answer(said);
   }
+  PoseFusion::Verdict truth_from(const std::string& localizer, double t) {
+    return answer_from(localizer, t, true_T_map_odom());
+  }
+  PoseFusion::Verdict same_again(double t) { return answer_from("cloud", t, elsewhere(3.0)); }
+
   Quality quality() {
     fed_.drive_to(to_seconds(fed_.output.stamp - Timestamp{}) + 0.01);
     return fed_.output.quality;
@@ -33,21 +42,61 @@ class LockOut : public testing::Test {
     return (fed_.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm();
   }
 
+ private:
+  template <typename Change>
+  static PoseFusion::Config config(const Change& change) {
+    PoseFusion::Config result = fusion_config();
+    result.formulation = GetParam();
+    change(result);
+    return result;
+  }
+
+ protected:
   FedFusion fed_;
 };
 
-TEST_F(LockOut, IndependentAnswersThatAgreeRestartTheAlignment) {
-  EXPECT_EQ(truth_from("cloud", 5.0).reason, "gated");
-  EXPECT_EQ(truth_from("cloud", 26.0).reason, "gated");
-  EXPECT_NE(quality(), Quality::kLost);
-  EXPECT_EQ(truth_from("cloud", 47.0).reason, "gated");
-  EXPECT_EQ(quality(), Quality::kLost);
-  EXPECT_EQ(truth_from("cloud", 68.0).reason, "restarted");
+class SoonLost : public LockOut {
+ protected:
+  SoonLost() : LockOut([](PoseFusion::Config& config) { config.lost_beyond_m = 0.1; }) {}
+};
+
+// Answers twice a second: lost within 1.5 s of the first true one, right after the cloud's window.
+TEST_P(LockOut, AWrongFirstAnswerIsReplacedAfterOneWindow) {
+  constexpr double kFirst = 2.0;
+  int rejected = 0;
+  double t = kFirst;
+  for (; truth_from("cloud", t).reason == "gated"; t += 0.5) {
+    ++rejected;
+    EXPECT_EQ(quality(), rejected < 3 ? Quality::kLocalized : Quality::kLost) << "at " << t;
+    ASSERT_LT(t, 60.0);
+  }
+  EXPECT_DOUBLE_EQ(t, kFirst + 20.5);
   EXPECT_EQ(quality(), Quality::kLocalized);
   EXPECT_LT(position_error(), 0.05);
 }
 
-TEST_F(LockOut, AnswersOfOneWindowCountOnce) {
+TEST_P(LockOut, AnAlignmentThatManyWindowsConfirmedYieldsToMany) {
+  for (int i = 1; i < 5; ++i) {
+    EXPECT_TRUE(same_again(1.0 + 21.0 * i).applied);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(truth_from("cloud", 90.0 + 21.0 * i).reason, "gated");
+  }
+  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(truth_from("cloud", 153.0).reason, "restarted");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_LT(position_error(), 0.05);
+}
+
+TEST_P(LockOut, AReplacementKeepsTheStandingOfItsAnswers) {
+  truth_from("cloud", 5.0);
+  EXPECT_EQ(truth_from("cloud", 26.0).reason, "restarted");
+  EXPECT_EQ(same_again(27.0).reason, "gated");
+  EXPECT_EQ(same_again(48.0).reason, "gated");  // two against two
+  EXPECT_EQ(same_again(69.0).reason, "restarted");
+}
+
+TEST_P(LockOut, AnswersOfOneWindowCountOnce) {
   for (int i = 0; i < 15; ++i) {
     EXPECT_EQ(truth_from("cloud", 5.0 + i).reason, "gated");
   }
@@ -55,16 +104,14 @@ TEST_F(LockOut, AnswersOfOneWindowCountOnce) {
   EXPECT_NEAR(position_error(), 3.0, 0.1);
 }
 
-TEST_F(LockOut, ReinitializedLocalizersAreIndependent) {
+TEST_P(LockOut, ReinitializedLocalizersAreIndependent) {
   EXPECT_EQ(truth_from("a", 5.0).reason, "gated");
-  EXPECT_EQ(truth_from("b", 6.0).reason, "gated");
-  EXPECT_EQ(truth_from("a", 7.0).reason, "gated");  // the same window again
-  EXPECT_EQ(truth_from("c", 8.0).reason, "gated");
-  EXPECT_EQ(truth_from("d", 9.0).reason, "restarted");
+  EXPECT_EQ(truth_from("a", 6.0).reason, "gated");  // the same window again
+  EXPECT_EQ(truth_from("b", 7.0).reason, "restarted");
   EXPECT_LT(position_error(), 0.05);
 }
 
-TEST_F(LockOut, AnswersThatDisagreeRestartNothing) {
+TEST_P(LockOut, AnswersThatDisagreeRestartNothing) {
   for (int i = 0; i < 8; ++i) {
     fed_.drive_to(6.0 + 21.0 * i);
     EXPECT_EQ(fed_.answer_at(5.0 + 21.0 * i, elsewhere(6.0 + 5.0 * i)).reason, "gated");
@@ -73,15 +120,81 @@ TEST_F(LockOut, AnswersThatDisagreeRestartNothing) {
   EXPECT_NEAR(position_error(), 3.0, 0.1);
 }
 
-TEST_F(LockOut, AnAppliedAnswerEndsTheContradiction) {
+TEST_P(LockOut, AppliedAnswersInARowEndTheContradiction) {
   for (int i = 0; i < 4; ++i) {
     truth_from("cloud", 5.0 + i);
   }
-  EXPECT_EQ(quality(), Quality::kLost);
-  fed_.drive_to(10.0);
-  EXPECT_TRUE(fed_.answer_at(9.5, elsewhere(3.0)).applied);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(quality(), Quality::kLost);
+    EXPECT_TRUE(same_again(9.0 + i).applied);
+  }
   EXPECT_EQ(quality(), Quality::kLocalized);
 }
+
+TEST_P(LockOut, IsLostWhileHalfOfTheAnswersContradict) {
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_EQ(truth_from("cloud", 3.0 + i).reason, "gated");
+    EXPECT_EQ(quality(), i < 2 ? Quality::kLocalized : Quality::kLost) << i;
+    EXPECT_TRUE(same_again(3.5 + i).applied);
+    EXPECT_EQ(quality(), i < 2 ? Quality::kLocalized : Quality::kLost) << i;
+  }
+}
+
+// Another localizer that starts there must be able to find the truth.
+TEST_P(LockOut, TheStartPoseReachesToWhatContradictsIt) {
+  const auto deviations_from_truth = [this] {
+    const StartPose start = *fed_.fusion.start_pose();
+    const Vector6d error = local_coordinates(start.T_map_odom, true_T_map_odom());
+    return std::sqrt(error.dot(start.covariance.llt().solve(error)));
+  };
+  EXPECT_GT(deviations_from_truth(), 10.0);
+  for (int i = 0; i < 3; ++i) {
+    truth_from("cloud", 5.0 + i);
+  }
+  EXPECT_LT(deviations_from_truth(), 1.1);
+}
+
+// A map of another content says nothing about the pose in this one, so it contradicts nothing; nor
+// does it keep the pose from drifting.
+TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
+  constexpr MapHash kOther{7};
+  const auto other_map = [&](double t, SessionNumber session) {
+    fed_.drive_to(t + 1.0);
+    Answer said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
+    said.map_hash = kOther;
+    said.session = session;
+    return fed_.fusion.add_answer(said);
+  };
+  bool dead_reckoned = false;
+  for (double t = 2.0; t < 180.0; t += 2.0) {
+    EXPECT_EQ(other_map(t, SessionNumber{}).reason, "wrong_map");
+    EXPECT_EQ(quality() == Quality::kLocalized, t < 5.0) << t;
+    dead_reckoned = dead_reckoned || quality() == Quality::kDeadReckoning;
+  }
+  EXPECT_TRUE(dead_reckoned);
+  EXPECT_EQ(quality(), Quality::kLost);
+
+  fed_.fusion.reset(SessionNumber{1});
+  fed_.drive_to(183.0);
+  EXPECT_EQ(other_map(183.0, SessionNumber{1}).reason, "applied");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_LT(position_error(), 0.05);
+}
+
+TEST_P(SoonLost, WhatDriftedTooFarIsFoundAgainByOneAnswer) {
+  fed_.drive_to(180.0);
+  EXPECT_EQ(fed_.output.quality, Quality::kLost);
+  EXPECT_TRUE(same_again(179.0).applied);
+  EXPECT_EQ(quality(), Quality::kLocalized);
+}
+
+constexpr auto kFormulation = [](const auto& info) {
+  return info.param == PoseFusion::Formulation::kTwoBlocks ? "TwoBlocks" : "SingleFilter";
+};
+const auto kBoth =
+    testing::Values(PoseFusion::Formulation::kTwoBlocks, PoseFusion::Formulation::kSingleFilter);
+INSTANTIATE_TEST_SUITE_P(Fusion, LockOut, kBoth, kFormulation);
+INSTANTIATE_TEST_SUITE_P(Fusion, SoonLost, kBoth, kFormulation);
 
 }  // namespace
 }  // namespace fleetloc

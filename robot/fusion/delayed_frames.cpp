@@ -1,0 +1,184 @@
+#include "robot/fusion/delayed_frames.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace fleetloc {
+namespace {
+
+Duration to_duration(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+bool is_finite(const Pose& pose) {
+  return pose.R.coeffs().allFinite() && pose.p.allFinite();
+}
+
+bool is_finite(const OdometryEstimate& estimate) {
+  const NavState& state = estimate.state;
+  return is_finite(state.T_odom_body) && state.v_odom.allFinite() &&
+         state.bias.gyroscope.allFinite() && state.bias.accelerometer.allFinite() &&
+         estimate.covariance.allFinite();
+}
+
+double largest_sigma(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
+}
+
+}  // namespace
+
+DelayedFrames::DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config)
+    : noise_(noise),
+      buffer_(to_duration(config.buffer_s)),
+      drift_config_(config.drift),
+      answer_noise_(config.answers.noise),
+      drift_(config.drift) {}
+
+void DelayedFrames::reset(SessionNumber session) {
+  session_ = session;
+  frames_.clear();
+  newest_is_ahead_ = false;
+  prediction_.reset();
+  drift_ = OdometryDrift(drift_config_);
+}
+
+bool DelayedFrames::add_imu(const ImuSample& sample) {
+  const bool usable = sample.angular_velocity.allFinite() && sample.specific_force.allFinite();
+  if (!usable || !imu_.add(sample)) {
+    return false;
+  }
+  previous_imu_ = std::exchange(last_imu_, sample);
+  imu_.forget_before(sample.stamp - buffer_);
+  if (newest_is_ahead_) {
+    predict_from_newest();
+  }
+  if (prediction_ && prediction_->stamp < sample.stamp) {
+    advance(*prediction_, *previous_imu_, sample, noise_);
+  }
+  return true;
+}
+
+std::string_view DelayedFrames::add_odometry(const OdometryEstimate& estimate) {
+  if (!is_finite(estimate)) {
+    return "not_finite";
+  }
+  if (!frames_.empty() && estimate.stamp <= newest().odometry.stamp) {
+    return "older_than_applied";
+  }
+  if (last_imu_ && estimate.stamp < last_imu_->stamp && !imu_.covers(estimate.stamp)) {
+    return "before_imu";
+  }
+  frames_.push_back({.odometry = estimate, .drift = drift_.step(estimate), .answer = std::nullopt});
+  predict_from_newest();
+  return {};
+}
+
+// The prediction does not depend on when the frame arrived: it always starts at its stamp and
+// takes one step per sample.
+void DelayedFrames::predict_from_newest() {
+  const OdometryEstimate& start = newest().odometry;
+  newest_is_ahead_ = !last_imu_ || !imu_.covers(start.stamp);
+  if (!newest_is_ahead_) {
+    prediction_ = predict(start, imu_.between(start.stamp, last_imu_->stamp), noise_);
+  }
+}
+
+bool DelayedFrames::has_stale() const {
+  return !frames_.empty() && oldest().odometry.stamp < newest().odometry.stamp - buffer_;
+}
+
+std::optional<std::size_t> DelayedFrames::index_at(Timestamp stamp) const {
+  const auto later = std::upper_bound(
+      frames_.begin(), frames_.end(), stamp, [](Timestamp wanted, const Frame& frame) {
+        return wanted < frame.odometry.stamp;
+      });
+  if (later == frames_.begin()) {
+    return std::nullopt;
+  }
+  return static_cast<std::size_t>(std::distance(frames_.begin(), later)) - 1;
+}
+
+std::string_view DelayedFrames::why_unusable(const Answer& answer) const {
+  if (session_ && answer.session != *session_) {
+    return "wrong_session";
+  }
+  if (answer.status != LocalizationStatus::kLocalized) {
+    return "not_localized";
+  }
+  if (!is_finite(answer.T_map_body) || !answer.covariance.allFinite()) {
+    return "not_finite";
+  }
+  const bool symmetric = answer.covariance.isApprox(answer.covariance.transpose(), 1e-9);
+  if (!symmetric || answer.covariance.llt().info() != Eigen::Success) {
+    return "bad_covariance";
+  }
+  return {};
+}
+
+std::string_view DelayedFrames::why_no_frame(Timestamp stamp) const {
+  const bool late = !frames_.empty() && stamp < newest().odometry.stamp - buffer_;
+  return late ? "too_old" : "unknown_stamp";
+}
+
+std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(const Answer& answer) {
+  if (const std::string_view reason = why_unusable(answer); !reason.empty()) {
+    return reason;
+  }
+  const std::optional<std::size_t> index = index_at(answer.stamp);
+  if (!index || frames_[*index].odometry.stamp != answer.stamp) {
+    return why_no_frame(answer.stamp);
+  }
+  Frame& frame = frames_[*index];
+  if (frame.answer) {
+    // A total order, so that one of several answers to a frame wins whichever comes first.
+    const AnswerMeasurement& known = frame.answer->measurement;
+    const auto rank = std::tie(answer.revision, answer.epoch, answer.localizer);
+    const auto known_rank = std::tie(frame.answer->revision, known.epoch, known.localizer);
+    if (rank <= known_rank) {
+      return std::string_view(rank == known_rank ? "duplicate" : "older_than_applied");
+    }
+  }
+  frame.answer = StoredAnswer{
+      .revision = answer.revision,
+      .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
+      .outcome = std::nullopt};
+  return *index;
+}
+
+PoseEstimate odom_estimate(const ImuPrediction& prediction) {
+  PoseEstimate result;
+  result.stamp = prediction.stamp;
+  result.T_odom_body = prediction.state.T_odom_body;
+  result.covariance_odom = pose_covariance(prediction);
+  result.v_odom = prediction.state.v_odom;
+  result.angular_velocity = prediction.angular_velocity;
+  return result;
+}
+
+void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion::Config& config) {
+  estimate.quality = Quality::kLost;
+  if (!standing.last_applied) {
+    return;
+  }
+  estimate.since_last_answer = std::max(Duration{}, estimate.stamp - *standing.last_applied);
+  const double odometry_age_s = to_seconds(estimate.stamp - standing.newest_odometry);
+  const Matrix6d& covariance = estimate.covariance_map;
+  if (standing.contradicted || odometry_age_s > config.odometry_timeout_s ||
+      largest_sigma(covariance.topLeftCorner<3, 3>()) > config.lost_beyond_rad ||
+      largest_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
+    return;
+  }
+  const bool fresh = to_seconds(estimate.since_last_answer) < config.localized_for_s;
+  estimate.quality = fresh ? Quality::kLocalized : Quality::kDeadReckoning;
+}
+
+}  // namespace fleetloc

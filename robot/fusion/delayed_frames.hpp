@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "robot/fusion/answer_measurement.hpp"
+#include "robot/fusion/imu_prediction.hpp"
+#include "robot/fusion/map_alignment.hpp"
+#include "robot/fusion/odometry_drift.hpp"
+#include "robot/fusion/pose_fusion.hpp"
+#include "robot/inertial/imu_buffer.hpp"
+
+namespace fleetloc {
+
+/// What a delayed-state filter keeps of the last seconds, to replay it: IMU samples, frames of the
+/// odometry and the answer to each. Says of each measurement whether it can be used. Its inertial
+/// prediction from the newest frame is the odom pose.
+class DelayedFrames {
+ public:
+  struct StoredAnswer {
+    Revision revision{};
+    AnswerMeasurement measurement;
+    std::optional<AnswerOutcome> outcome;  ///< none before the first replay
+  };
+  struct Frame {
+    OdometryEstimate odometry;
+    DriftStep drift;  ///< since the frame before
+    std::optional<StoredAnswer> answer;
+  };
+
+  DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config);
+
+  /// The odometry starts anew.
+  void reset(SessionNumber session);
+
+  /// False if the sample changes nothing.
+  bool add_imu(const ImuSample& sample);
+
+  /// Why the estimate is refused; empty if it is the newest frame now. Nothing is forgotten by it.
+  std::string_view add_odometry(const OdometryEstimate& estimate);
+
+  /// Why the answer cannot be used, whatever its stamp; empty if it can.
+  [[nodiscard]] std::string_view why_unusable(const Answer& answer) const;
+
+  /// The index of the answer's frame, where it is stored now, or why it is refused.
+  std::variant<std::size_t, std::string_view> add_answer(const Answer& answer);
+
+  /// The oldest frame is older than the buffer.
+  [[nodiscard]] bool has_stale() const;
+  void forget_oldest() { frames_.pop_front(); }
+
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  [[nodiscard]] Frame& operator[](std::size_t index) { return frames_[index]; }
+  [[nodiscard]] const Frame& operator[](std::size_t index) const { return frames_[index]; }
+  [[nodiscard]] const Frame& oldest() const { return frames_.front(); }
+  [[nodiscard]] const Frame& newest() const { return frames_.back(); }
+  [[nodiscard]] auto begin() { return frames_.begin(); }
+  [[nodiscard]] auto end() { return frames_.end(); }
+
+  /// The newest frame at or before the stamp.
+  [[nodiscard]] std::optional<std::size_t> index_at(Timestamp stamp) const;
+
+  [[nodiscard]] const ImuBuffer& imu() const { return imu_; }
+  [[nodiscard]] const ImuNoise& noise() const { return noise_; }
+  [[nodiscard]] const std::optional<ImuSample>& last_imu() const { return last_imu_; }
+  [[nodiscard]] const std::optional<ImuSample>& previous_imu() const { return previous_imu_; }
+
+  /// The newest frame is ahead of the IMU: the prediction is from the one before.
+  [[nodiscard]] bool newest_is_ahead() const { return newest_is_ahead_; }
+  /// In odom at the last IMU sample.
+  [[nodiscard]] const std::optional<ImuPrediction>& prediction() const { return prediction_; }
+
+ private:
+  [[nodiscard]] std::string_view why_no_frame(Timestamp stamp) const;
+  void predict_from_newest();
+
+  ImuNoise noise_;
+  Duration buffer_;
+  OdometryDrift::Config drift_config_;
+  AnswerNoise answer_noise_;
+  std::optional<SessionNumber> session_;
+  ImuBuffer imu_;
+  std::optional<ImuSample> last_imu_;
+  std::optional<ImuSample> previous_imu_;
+  std::deque<Frame> frames_;  ///< oldest first
+  bool newest_is_ahead_ = false;
+  std::optional<ImuPrediction> prediction_;
+  OdometryDrift drift_;
+};
+
+/// What the map pose of an estimate rests on.
+struct MapStanding {
+  std::optional<Timestamp> last_applied;  ///< stamp of the last applied answer
+  bool contradicted = false;
+  Timestamp newest_odometry;
+};
+
+/// The odom pose of a prediction, without a map pose.
+PoseEstimate odom_estimate(const ImuPrediction& prediction);
+
+/// Sets the quality and the age of the last answer; the covariance of the map pose must stand.
+void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion::Config& config);
+
+}  // namespace fleetloc
