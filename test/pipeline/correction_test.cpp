@@ -25,6 +25,7 @@ LocalizerPool pool_in_the_room() {
 Submap submap_of(const SimulatedSession& robot, int keyframe) {
   Submap submap = robot.submap(keyframe);
   submap.robot = "robot";
+  submap.epoch = Epoch{3};
   if (keyframe == 0) return submap;
   const Submap before = robot.submap(keyframe - 1);
   submap.keyframes.insert(submap.keyframes.begin(), before.keyframes[0]);
@@ -40,13 +41,14 @@ TEST(Corrections, GoOutOnceWithEachNewLocalizedAnswer) {
   LocalizerPool pool = pool_in_the_room();
   RobotSession session = robot.session();
   session.localizer = "localizer";
+  session.epoch = Epoch{3};
   pool.receive({Topic::kSession, encode(session)}, Timestamp{});
   int localized = 0;
   int corrected = 0;
   for (int i = 0; i < 14; ++i) {
     const Timestamp now{milliseconds(2000 * i)};
     pool.receive({Topic::kSubmap, encode(submap_of(robot, i))}, now);
-    auto job = pool.take_job();
+    auto job = pool.take_job(now);
     ASSERT_TRUE(job);
     Answer answer = LocalizerPool::run(*job);
     const bool is_localized = answer.status == LocalizationStatus::kLocalized;
