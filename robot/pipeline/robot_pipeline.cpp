@@ -160,7 +160,7 @@ void RobotPipeline::take_cloud(Timestamp now) {
       output.applied = verdict.applied;
       output.reason = verdict.reason;
       aligned_ = aligned_ || verdict.applied;
-      const auto start = verdict.applied ? fusion_.start_pose() : std::nullopt;
+      const auto start = verdict.applied ? fusion_->start_pose() : std::nullopt;
       if (start) localizer_->update_start(*start);
     }
     answers_.push_back(std::move(output));

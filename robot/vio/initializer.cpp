@@ -136,7 +136,9 @@ Initializer::Status Initializer::refine(Initialization& initialization) const {
       !(estimate.diagnostics.final_cost < config_.max_cost_per_residual * residuals)) {
     return Status::kResiduals;
   }
-  initialization.states = estimate.inertial.states;
+  for (std::size_t i = 0; i < initialization.states.size(); ++i) {
+    initialization.states[i] = estimate.keyframes[i].state;
+  }
   return plausible(initialization.states.back().bias) ? Status::kInitialized : Status::kWrongBias;
 }
 

@@ -155,7 +155,7 @@ TEST_F(EvaluateRun, FindsTheErrorsThatWereMade) {
 // rotation does to ten seconds of motion.
 TEST_F(EvaluateRun, FindsTheRelativeErrorOfTheOdometry) {
   const auto relative = evaluate_run(folder_, truth(), config())["odometry_relative"];
-  EXPECT_EQ(relative["pairs"], kFrames - 200);
+  EXPECT_NEAR(relative["pairs"].get<int>(), kFrames - 200, 3);  // ends within the largest gap
   const double expected_deg = std::sqrt(2.0) * sigmas().head<3>().norm() * 180.0 / M_PI;
   EXPECT_NEAR(relative["rotation_rmse_deg"].get<double>(), expected_deg, 0.05 * expected_deg);
   EXPECT_GT(relative["translation_rmse_m"].get<double>(),
