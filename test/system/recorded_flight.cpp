@@ -15,15 +15,6 @@ namespace {
 const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
 constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
-Timestamp first_image(const std::filesystem::path& dataset) {
-  const auto file = dataset / "mav0" / "cam0" / "data.csv";
-  std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) {
-    if (!line.empty() && line.front() != '#') return Timestamp(Duration(std::stoll(line)));
-  }
-  throw std::runtime_error(file.string() + ": no images");
-}
-
 Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
   Outcome outcome = run(program, arguments);
   if (outcome.exit_code != 0) throw std::runtime_error(outcome.errors);
@@ -34,6 +25,15 @@ Outcome must_run(const std::string& program, const std::vector<std::string>& arg
 
 std::filesystem::path recordings() {
   return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
+Timestamp first_image(const std::filesystem::path& dataset) {
+  const auto file = dataset / "mav0" / "cam0" / "data.csv";
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty() && line.front() != '#') return Timestamp(Duration(std::stoll(line)));
+  }
+  throw std::runtime_error(file.string() + ": no images");
 }
 
 std::string RecordedFlight::displaced_start_pose() const {

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/core/time.hpp"
 #include "test/system/child_program.hpp"
 
 namespace fleetloc {
@@ -29,6 +30,9 @@ struct RecordedFlight {
   /// degrees of yaw.
   [[nodiscard]] std::string displaced_start_pose() const;
 };
+
+/// Its stamp. Throws std::runtime_error if the dataset has none.
+Timestamp first_image(const std::filesystem::path& dataset);
 
 /// All real, hand-held, 17 s, no laser map.
 RecordedFlight machine_hall();
