@@ -173,13 +173,15 @@ void RobotPipeline::start_session(Timestamp now) {
   session.session = setup_.session;
   session.start_stamp = setup_.program_start;
   session.stereo = stereo_;
-  if (setup_.T_map_body) session.start = start_pose(*setup_.T_map_body);
+  if (setup_.T_map_body && initialization_->T_first_newest) {
+    session.start = start_pose(*setup_.T_map_body * *initialization_->T_first_newest);
+  }
   localizer_->start_session(session, now);
 }
 
-// The start pose holds at the first image; the initialization knows the motion since then.
-StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
-  const Pose T_map_body = T_map_body_first * initialization_->T_first_newest;
+// A person's start pose holds at the first image; where the motion since then was not seen, there
+// is none.
+StartPose RobotPipeline::start_pose(const Pose& T_map_body) const {
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
   return start_pose_at(T_map_body, T_odom_body, config_.start);
 }

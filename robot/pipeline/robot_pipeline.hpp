@@ -110,7 +110,7 @@ class RobotPipeline {
   void take_cloud(Timestamp now);
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
-  [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] StartPose start_pose(const Pose& T_map_body) const;
 
   RobotSetup setup_;
   Config config_;

@@ -34,7 +34,7 @@ Initializer::Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, c
 
 std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
                                                std::span<const ImuSample> since_previous_frame) {
-  if (!frames_.empty() && since_previous_frame.size() < 2) {
+  if (!frames_.empty() && !continues(since_previous_frame)) {
     start_over();
   }
   std::optional<Pose> T_first_body = odometry_.add(frame);
@@ -49,7 +49,10 @@ std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
     return std::nullopt;
   }
   std::optional<Initialization> result = align();
-  if (!result.has_value()) {  // again after another interval
+  if (result.has_value()) {
+    start_over();
+    first_in_sight_ = true;  // of the next initialization
+  } else {                   // again after another interval
     const Timestamp last = frame.stamp;
     std::erase_if(frames_, [&](const Frame& old) {
       return to_seconds(last - old.frame.stamp) > config_.duration_s - config_.keyframe_interval_s;
@@ -58,9 +61,15 @@ std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
   return result;
 }
 
+bool Initializer::continues(std::span<const ImuSample> since_previous_frame) const {
+  return since_previous_frame.size() > 1 &&
+         since_previous_frame.front().stamp == frames_.back().frame.stamp;
+}
+
 void Initializer::start_over() {
   odometry_ = StereoOdometry(stereo_, config_.odometry);
   frames_.clear();
+  first_in_sight_ = false;
 }
 
 // Backwards from the newest frame, which must be one.
@@ -110,8 +119,10 @@ std::optional<Initialization> Initializer::align() {
   if (status_ != Status::kInitialized) {
     return std::nullopt;
   }
-  result.T_first_newest = T_first_body.front() * inverse(result.states.front().T_odom_body) *
-                          result.states.back().T_odom_body;
+  if (first_in_sight_) {
+    result.T_first_newest = T_first_body.front() * inverse(result.states.front().T_odom_body) *
+                            result.states.back().T_odom_body;
+  }
   return result;
 }
 

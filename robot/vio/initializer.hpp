@@ -14,9 +14,10 @@ namespace fleetloc {
 /// IMU, the gyroscope's bias from its rotations, then gravity, velocities and the accelerometer's
 /// bias by linear alignment with |g| known, refined by one optimization of all keyframes.
 ///
-/// odom: origin at the body of the first frame ever added, its axes turned by the shortest rotation
-/// that makes z point up. Keyframes count from 0. After a loss of vision, or a gap of the IMU, the
-/// next frame is the first.
+/// odom: origin at the body of the first frame of the piece that was aligned, its axes turned by
+/// the shortest rotation that makes z point up. Keyframes count from 0. After a loss of vision, or
+/// a gap of the IMU, a new piece begins. After success the next frame begins the next
+/// initialization, as if the object were new.
 class Initializer {
  public:
   struct Config {
@@ -44,7 +45,8 @@ class Initializer {
   Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config);
 
   /// @param since_previous_frame  from the previous frame's stamp to this one's, ends interpolated;
-  ///        empty for the first, or where the IMU has a gap (which starts over)
+  ///        empty for the first, or where the IMU has a gap. What begins elsewhere than at the
+  ///        previous frame that was added is a gap too.
   std::optional<Initialization> add(const TrackedFrame& frame,
                                     std::span<const ImuSample> since_previous_frame);
 
@@ -57,6 +59,7 @@ class Initializer {
     Pose T_first_body;           // by stereo odometry
   };
   void start_over();
+  [[nodiscard]] bool continues(std::span<const ImuSample> since_previous_frame) const;
   [[nodiscard]] std::vector<std::size_t> choose_keyframes() const;
   std::optional<Initialization> align();
   [[nodiscard]] Status check(const InertialAlignment& alignment) const;
@@ -68,6 +71,7 @@ class Initializer {
   Config config_;
   StereoOdometry odometry_;
   std::vector<Frame> frames_;
+  bool first_in_sight_ = true;  // the odometry goes back to the first frame that was added
   Status status_ = Status::kCollecting;
 };
 Initializer::Config read_initializer_config(ConfigReader section,

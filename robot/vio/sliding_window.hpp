@@ -24,8 +24,9 @@ struct KeyframeInput {
 struct Initialization {
   std::vector<KeyframeInput> keyframes;
   std::vector<NavState> states;  ///< of the keyframes
-  /// Body at the newest keyframe relative to the body at the first frame ever added.
-  Pose T_first_newest;
+  /// Body at the newest keyframe relative to the body at the first frame that the initializer was
+  /// given; nothing where vision or IMU failed in between: that motion was not observed.
+  std::optional<Pose> T_first_newest = std::nullopt;
 };
 
 /// Optimizes the states of the latest keyframes and their landmarks: reprojection (paper, eq. 1),

@@ -16,6 +16,18 @@ namespace {
 const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
 constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
+Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
+  Outcome outcome = run(program, arguments);
+  if (outcome.exit_code != 0) throw std::runtime_error(outcome.errors);
+  return outcome;
+}
+
+}  // namespace
+
+std::filesystem::path recordings() {
+  return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
+}
+
 Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
   const auto file = dataset / "mav0" / "cam0" / "data.csv";
   std::ifstream stream(file);
@@ -28,18 +40,6 @@ Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
     if (stamp >= *first + skipped) return stamp;
   }
   throw std::runtime_error(file.string() + ": no images");
-}
-
-Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
-  Outcome outcome = run(program, arguments);
-  if (outcome.exit_code != 0) throw std::runtime_error(outcome.errors);
-  return outcome;
-}
-
-}  // namespace
-
-std::filesystem::path recordings() {
-  return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 
 std::string RecordedFlight::displaced_start_pose(double start_s) const {

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/core/time.hpp"
 #include "test/system/child_program.hpp"
 
 namespace fleetloc {
@@ -29,6 +30,9 @@ struct RecordedFlight {
   /// map by 0.3 m and 3 degrees of yaw.
   [[nodiscard]] std::string displaced_start_pose(double start_s = 0.0) const;
 };
+
+/// The stamp of the first image from `start_s` on. Throws std::runtime_error if there is none.
+Timestamp first_image(const std::filesystem::path& dataset, double start_s = 0.0);
 
 /// All real, hand-held, 17 s, no laser map.
 RecordedFlight machine_hall();

@@ -59,7 +59,8 @@ TEST_P(InitializerTest, FindsStatesThatAreTrueUpToTheirCovariance) {
     const CheckedState& newest = played.keyframes.front();
     EXPECT_LT(newest.nees(), 45.0) << "seed " << seed;  // 15 dof, 99.99 %
     EXPECT_LT(newest.rotation_error(), 0.02) << "seed " << seed;
-    const Vector6d error = local_coordinates(played.T_first_newest_truth, start.T_first_newest);
+    ASSERT_TRUE(start.T_first_newest.has_value());
+    const Vector6d error = local_coordinates(played.T_first_newest_truth, *start.T_first_newest);
     EXPECT_LT(error.norm(), GetParam().noise ? 0.05 : 0.005) << "seed " << seed;
   }
 }
@@ -82,6 +83,73 @@ TEST(Initializer, StartsOverAfterAGapOfTheImu) {
     EXPECT_FALSE(initializer.add(input.frame, input.imu).has_value());
     EXPECT_EQ(initializer.status(), Initializer::Status::kCollecting);
   }
+}
+
+/// Feeds frames from `first` on, until there is a result; `interrupt` may spoil one.
+template <typename Interrupt>
+std::optional<Initialization> initialized_from(int first,
+                                               Initializer& initializer,
+                                               const SimulatedRun& run,
+                                               const Interrupt& interrupt) {
+  for (int i = first; i < first + 60; ++i) {
+    KeyframeInput input = keyframe_input(run, i, i - 1, 0);
+    interrupt(i, input);
+    if (auto result = initializer.add(input.frame, input.imu)) return result;
+  }
+  return std::nullopt;
+}
+
+TEST(Initializer, DoesNotKnowTheMotionSinceTheFirstFrameAfterALossOfVision) {
+  const SimulatedRun run(SimulatedRun::Config{});
+  Initializer initializer(run.stereo(), run.noise(), simulated_vio_config(0.5).initializer);
+  const auto result = initialized_from(0, initializer, run, [](int i, KeyframeInput& input) {
+    if (i == 8) input.frame.observations.clear();
+  });
+  ASSERT_TRUE(result.has_value());
+  EXPECT_GT(result->keyframes.front().frame.stamp, run.frame_stamp(7));
+  EXPECT_FALSE(result->T_first_newest.has_value());
+}
+
+TEST(Initializer, DoesNotKnowTheMotionSinceTheFirstFrameAfterAGapOfTheImu) {
+  const SimulatedRun run(SimulatedRun::Config{});
+  Initializer initializer(run.stereo(), run.noise(), simulated_vio_config(0.5).initializer);
+  const auto result = initialized_from(0, initializer, run, [](int i, KeyframeInput& input) {
+    if (i == 8) input.imu.clear();
+  });
+  ASSERT_TRUE(result.has_value());
+  EXPECT_FALSE(result->T_first_newest.has_value());
+}
+
+TEST(Initializer, CanBeUsedAgainLaterInTheFlight) {
+  const SimulatedRun run(SimulatedRun::Config{});
+  const Initializer::Config config = simulated_vio_config(0.5).initializer;
+  const auto undisturbed = [](int, KeyframeInput&) {};
+  Initializer used(run.stereo(), run.noise(), config);
+  ASSERT_TRUE(initialized_from(0, used, run, undisturbed).has_value());
+  Initializer fresh(run.stereo(), run.noise(), config);
+  const auto again = initialized_from(100, used, run, undisturbed);
+  const auto expected = initialized_from(100, fresh, run, undisturbed);
+  ASSERT_TRUE(again.has_value() && expected.has_value());
+  ASSERT_TRUE(again->T_first_newest.has_value());
+  EXPECT_EQ(again->keyframes.back().frame.stamp, expected->keyframes.back().frame.stamp);
+  EXPECT_EQ(again->states.back().T_odom_body.p, expected->states.back().T_odom_body.p);
+  EXPECT_EQ(again->states.back().v_odom, expected->states.back().v_odom);
+  const Pose T_first_newest = inverse(run.truth(run.frame_stamp(100)).T_odom_body) *
+                              run.truth(again->keyframes.back().frame.stamp).T_odom_body;
+  EXPECT_LT(local_coordinates(T_first_newest, *again->T_first_newest).norm(), 0.005);
+}
+
+TEST(Initializer, TakesFramesThatItWasNotGivenForAGap) {
+  const SimulatedRun run(SimulatedRun::Config{});
+  Initializer initializer(run.stereo(), run.noise(), simulated_vio_config(0.5).initializer);
+  for (int i = 0; i < 10; ++i) {
+    const KeyframeInput input = keyframe_input(run, i, i - 1, 0);
+    EXPECT_FALSE(initializer.add(input.frame, input.imu).has_value());
+  }
+  const auto result = initialized_from(15, initializer, run, [](int, KeyframeInput&) {});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_GE(result->keyframes.front().frame.stamp, run.frame_stamp(15));
+  EXPECT_FALSE(result->T_first_newest.has_value());
 }
 
 TEST(Initializer, RefusesGravityThatIsNotGravity) {
