@@ -61,6 +61,7 @@ TEST_F(DdsOutage, IsLocalizedAgainSoonAfterAKilledLocalizerIsBack) {
   localizer = std::make_unique<ChildProgram>(FLEETLOC_CLOUD, cloud("localizer_1"));
   const Outcome outcome = robot_1.wait();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  std::cout << outcome.output;  // what the robot said of its localizer
 
   const auto answers = answers_of(run);
   const auto is_applied = [](const AnswerLine& answer) { return answer.applied; };
@@ -101,6 +102,7 @@ TEST_F(DdsOutage, FourRobotsAreLocalizedAtTheEndThoughOneOfTwoLocalizersWasKille
     const std::string id = "robot_" + starts[i];
     const Outcome outcome = robots[i]->wait();
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    std::cout << outcome.output;
     const auto answers = answers_of(folder_of(id));
     ASSERT_FALSE(answers.empty()) << id;
     served_before.insert(answers.front().localizer);
