@@ -36,7 +36,8 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   newest_.reset();
   correction_.reset();
   corrected_anchor_.reset();
-  if (!used_.empty()) begin_service(now);
+  if (!used_.empty()) return begin_service(now);
+  follow_choice(now);
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
@@ -63,7 +64,7 @@ std::vector<Answer> CloudClient::take_answers(Timestamp now) {
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  follow_choice(now);
+  if (session_) follow_choice(now);  // by then most localizers have been heard
   announce_again(now);
   send_status(now);
   return answers;

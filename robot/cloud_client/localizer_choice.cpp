@@ -28,6 +28,8 @@ std::uint64_t hash(std::string_view text, std::string_view more) {
   for (const char c : more) add(static_cast<unsigned char>(c));
   value ^= value >> 33U;
   value *= 0xff51afd7ed558ccdU;
+  value ^= value >> 33U;
+  value *= 0xc4ceb9fe1a85ec53U;
   return value ^ (value >> 33U);
 }
 
