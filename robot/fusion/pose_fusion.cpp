@@ -36,19 +36,19 @@ PoseFusion::PoseFusion(const ImuNoise& noise, const Config& config)
       oldest_(config.answers),
       alignment_(config.answers) {}
 
-void PoseFusion::reset(SessionNumber session) {
+void PoseFusion::reset(SessionNumber session, const std::optional<StartPose>& carried) {
   session_ = session;
+  interrupted_ = false;
   frames_.clear();
   newest_frame_is_ahead_ = false;
   prediction_.reset();
   drift_ = OdometryDrift(config_.drift);
-  oldest_ = MapAlignment(config_.answers);
-  alignment_ = MapAlignment(config_.answers);
+  oldest_ = carried ? alignment_.continued(*carried) : MapAlignment(config_.answers);
+  alignment_ = oldest_;
 }
 
 PoseEstimate PoseFusion::add_imu(const ImuSample& sample) {
-  const bool usable = sample.angular_velocity.allFinite() && sample.specific_force.allFinite();
-  if (usable && imu_.add(sample)) {
+  if (imu_.add(sample)) {
     const std::optional<ImuSample> previous = std::exchange(last_imu_, sample);
     imu_.forget_before(sample.stamp - to_duration(config_.buffer_s));
     if (newest_frame_is_ahead_) {
@@ -218,7 +218,8 @@ Quality PoseFusion::quality_at(Timestamp stamp) const {
   if (!last_applied || alignment_.contradicted() || odometry_age_s > config_.odometry_timeout_s) {
     return Quality::kLost;
   }
-  const bool fresh = to_seconds(stamp - *last_applied) < config_.localized_for_s;
+  const bool fresh = !interrupted_ && !alignment_.is_continued() &&
+                     to_seconds(stamp - *last_applied) < config_.localized_for_s;
   return fresh ? Quality::kLocalized : Quality::kDeadReckoning;
 }
 

@@ -67,7 +67,7 @@ class PoseFusion {
 
   PoseFusion(const ImuNoise& noise, const Config& config);
 
-  /// A sample that is not newer than the last one changes nothing.
+  /// A sample that is not newer than the last one, or not finite, changes nothing.
   PoseEstimate add_imu(const ImuSample& sample);
 
   /// The odometry's state at the stamp of a frame; stamps increase. IMU samples newer than it are
@@ -81,9 +81,14 @@ class PoseFusion {
   /// the buffer cover the stamp: so add the sample after a frame first.
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const;
 
-  /// The odometry starts anew with an origin of its own: odom poses and T_map_odom are forgotten,
-  /// and only answers of this session count from now on. Before the first call all do.
-  void reset(SessionNumber session);
+  /// The odometry has failed: until it starts anew poses are dead-reckoned from its last state, and
+  /// never count as localized.
+  void interrupt() { interrupted_ = true; }
+
+  /// The odometry starts anew: its poses are forgotten, and only answers of this session count from
+  /// now on. Before the first call all do. T_map_odom becomes `carried` until the first answer that
+  /// agrees with it; without it, or if there never was an answer, it is forgotten.
+  void reset(SessionNumber session, const std::optional<StartPose>& carried = std::nullopt);
 
   /// T_map_odom as it is now, to start a session of the cloud with; from the first applied answer
   /// on, also while lost.
@@ -114,6 +119,7 @@ class PoseFusion {
   ImuNoise noise_;
   Config config_;
   std::optional<SessionNumber> session_;
+  bool interrupted_ = false;
   ImuBuffer imu_;
   std::optional<ImuSample> last_imu_;
   std::deque<Frame> frames_;                 ///< the last buffer_s of the odometry
