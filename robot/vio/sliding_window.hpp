@@ -22,6 +22,9 @@ struct Initialization {
   std::vector<NavState> states;  ///< of the keyframes
   /// Body at the newest keyframe relative to the body at the first frame ever added.
   Pose T_first_newest;
+  /// Covariance of the oldest keyframe's yaw and position in odom: not zero where odom goes on from
+  /// an earlier window.
+  Eigen::Matrix4d drift = Eigen::Matrix4d::Zero();
 };
 
 /// Optimizes the states of the latest keyframes and their landmarks: reprojection (paper, eq. 1),
