@@ -10,7 +10,7 @@
 #include "robot/pipeline/run_recorder.hpp"
 #include "shared/config/progress_line.hpp"
 #include "shared/core/cpu_time.hpp"
-#include "shared/dataset/dataset_reader.hpp"
+#include "shared/dataset/fault_injector.hpp"
 #include "shared/link/memory_network.hpp"
 
 namespace fleetloc {
@@ -49,18 +49,19 @@ struct FarSide {
 class Replay {
  public:
   Replay(const ReplayOptions& options, const ReplayConfig& config)
-      : reader_({.folder = options.dataset,
-                 .start_s = options.start_s,
-                 .duration_s = options.duration_s}),
+      : input_(DatasetReader({.folder = options.dataset,
+                              .start_s = options.start_s,
+                              .duration_s = options.duration_s}),
+               options.faults),
         far_side_(options.map ? std::make_unique<FarSide>(options, config) : nullptr),
-        back_end_(KeyframeWorker(rectified(reader_.calibration()),
-                                 reader_.imu_noise(),
+        back_end_(KeyframeWorker(rectified(input_.reader().calibration()),
+                                 input_.reader().imu_noise(),
                                  config.worker,
                                  thread_cpu_time),
                   from_seconds(config.durations.back_end_s)),
         pipeline_({.id = kRobot,
-                   .calibration = reader_.calibration(),
-                   .imu_noise = reader_.imu_noise(),
+                   .calibration = input_.reader().calibration(),
+                   .imu_noise = input_.reader().imu_noise(),
                    .T_map_body = options.T_map_body,
                    .align_once = options.align_once},
                   config.pipeline,
@@ -79,7 +80,7 @@ class Replay {
     return far_side_ ? far_side_->client.traffic() : RunTraffic{};
   }
 
-  DatasetReader reader_;
+  FaultInjector input_;
   std::unique_ptr<FarSide> far_side_;
   SimulatedBackEnd back_end_;
   RobotPipeline pipeline_;
@@ -89,7 +90,7 @@ class Replay {
 
 std::optional<DatasetReader::Item> Replay::next() {
   const Duration begin = thread_cpu_time();
-  auto item = reader_.next();
+  auto item = input_.next();
   if (item && std::holds_alternative<StereoFrame>(*item)) {
     recorder_.add_decoding(thread_cpu_time() - begin);
   }
@@ -97,13 +98,14 @@ std::optional<DatasetReader::Item> Replay::next() {
 }
 
 void Replay::take(const ImuSample& sample) {
-  const PoseEstimate pose = pipeline_.add_imu(sample);
-  recorder_.add_imu_rate_pose(pose);
+  const auto pose = pipeline_.add_imu(sample);
+  if (!pose) return;  // refused: neither its content nor its stamp can be trusted
+  recorder_.add_imu_rate_pose(*pose);
   if (far_side_) {
-    far_side_->client.set_quality(pose.quality);
-    far_side_->cloud.advance(sample.stamp);
+    far_side_->client.set_quality(pose->quality);
+    far_side_->cloud.advance(pose->stamp);
   }
-  pipeline_.poll(sample.stamp);
+  pipeline_.poll(pose->stamp);
   recorder_.take(pipeline_, traffic());
 }
 
@@ -119,13 +121,13 @@ void Replay::run(const std::stop_token& stop) {
         take(*sample);
       } else {
         pipeline_.add_images(std::move(std::get<StereoFrame>(*item)));
-        progress.show(++frames, reader_.frame_count());
+        progress.show(++frames, input_.reader().frame_count());
       }
     }
   }
   recorder_.take(pipeline_, traffic());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  recorder_.finish(pipeline_, traffic(), wall.count(), reader_.faults());
+  recorder_.finish(pipeline_, traffic(), wall.count(), input_.faults());
   if (far_side_) write_sessions(out_ / "sessions.json", far_side_->cloud.pool().reports());
 }
 

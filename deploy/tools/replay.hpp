@@ -9,6 +9,7 @@
 #include "cloud/pool/localizer_pool.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/dataset/fault_injector.hpp"
 #include "shared/link/link_model.hpp"
 
 namespace fleetloc {
@@ -35,6 +36,7 @@ struct ReplayOptions {
   double start_s = 0.0;
   std::optional<double> duration_s;
   LinkConfig link;
+  FaultPlan faults;
   bool align_once = false;
 };
 

@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
     LinkArguments link;
     std::string map;
     std::string initial_pose;
+    std::string faults;
     std::string codec = "full";
     double duration = 0.0;
     int window = 0;
@@ -94,6 +95,7 @@ int main(int argc, char** argv) {
     app.add_flag("--align-once",
                  options.align_once,
                  "a control: fuse the first answer and dead-reckon after it");
+    app.add_option("--faults", faults, "YAML: seed, and faults to inject while reading");
     app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
     app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
     app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
@@ -107,6 +109,7 @@ int main(int argc, char** argv) {
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       options.link = link_config(link);
+      if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
       const auto config = read_config(program.config(),
                                       windowed->count() > 0 ? std::optional(window) : std::nullopt);
       return [replay = prepared_replay(options, config), termination] {

@@ -52,8 +52,7 @@ void DelayedFrames::reset(SessionNumber session) {
 }
 
 bool DelayedFrames::add_imu(const ImuSample& sample) {
-  const bool usable = sample.angular_velocity.allFinite() && sample.specific_force.allFinite();
-  if (!usable || !imu_.add(sample)) {
+  if (!imu_.add(sample)) {
     return false;
   }
   previous_imu_ = std::exchange(last_imu_, sample);
@@ -177,7 +176,8 @@ void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion
       largest_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
     return;
   }
-  const bool fresh = to_seconds(estimate.since_last_answer) < config.localized_for_s;
+  const bool fresh =
+      !standing.carried && to_seconds(estimate.since_last_answer) < config.localized_for_s;
   estimate.quality = fresh ? Quality::kLocalized : Quality::kDeadReckoning;
 }
 

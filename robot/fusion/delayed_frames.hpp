@@ -96,6 +96,7 @@ class DelayedFrames {
 struct MapStanding {
   std::optional<Timestamp> last_applied;  ///< stamp of the last applied answer
   bool contradicted = false;
+  bool carried = false;  ///< across a failure of the odometry, and not confirmed since
   Timestamp newest_odometry;
 };
 

@@ -26,6 +26,19 @@ Matrix15d noise_of(const Preintegration& step, const NavState& from, const NavSt
   return Q;
 }
 
+// The variance of s * t is that of a constant velocity which nobody knows.
+void hold(ImuPrediction& prediction, const ImuSample& to, const ImuGapModel& gaps) {
+  const double before = to_seconds(prediction.stamp - *prediction.held_since);
+  const double after = to_seconds(to.stamp - *prediction.held_since);
+  const double grown = after * after - before * before;
+  auto variance = prediction.noise.diagonal();
+  variance.head<3>().array() += gaps.turn_rate_sigma * gaps.turn_rate_sigma * grown;
+  variance.segment<3>(3).array() += gaps.speed_sigma * gaps.speed_sigma * grown;
+  prediction.state.v_odom.setZero();
+  prediction.stamp = to.stamp;
+  prediction.angular_velocity = to.angular_velocity - prediction.state.bias.gyroscope;
+}
+
 }  // namespace
 
 Matrix15d transition_of(const Preintegration& step, const NavState& from, const NavState& to) {
@@ -59,6 +72,14 @@ void advance(ImuPrediction& prediction,
              const ImuSample& from,
              const ImuSample& to,
              const ImuNoise& noise) {
+  const ImuGapModel& gaps = noise.gaps;
+  const double interval = to_seconds(to.stamp - from.stamp);
+  if (!prediction.held_since && gaps.void_from_s > 0.0 && interval > gaps.void_from_s) {
+    prediction.held_since = from.stamp;
+  }
+  if (prediction.held_since) {
+    return hold(prediction, to, gaps);
+  }
   const std::array<ImuSample, 2> ends{from, to};
   advance(prediction, Preintegration(ends, prediction.state.bias, noise));
   prediction.stamp = to.stamp;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "robot/inertial/preintegration.hpp"
@@ -17,10 +18,12 @@ struct ImuPrediction {
   Matrix15d transition = Matrix15d::Identity();  ///< of the error since the start
   Matrix15d noise = Matrix15d::Zero();           ///< covariance added by the IMU since the start
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of body, in body [rad/s]
+  std::optional<Timestamp> held_since;  ///< the sample before a gap that nothing is known of
 };
 
 /// One step, from the sample at `prediction.stamp` to the next one. The interval's mean is applied
-/// (midpoint rule), as in Preintegration.
+/// (midpoint rule), as in Preintegration. From a gap on that voids the prediction (ImuGapModel) the
+/// pose is held, and its covariance grows by the bounds on the motion.
 void advance(ImuPrediction& prediction,
              const ImuSample& from,
              const ImuSample& to,

@@ -78,8 +78,30 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
+  continued_ = false;
   rivals_.restart(answer);
   return true;
+}
+
+MapAlignment MapAlignment::continued(const StartPose& pose) const {
+  MapAlignment result(config_);
+  if (last_applied_) {
+    result.map_hash_ = map_hash_;
+    result.last_applied_ = last_applied_;
+    result.T_map_odom_ = pose.T_map_odom;
+    result.P_.topLeftCorner<6, 6>() = pose.covariance;
+    result.continued_ = true;
+  }
+  return result;
+}
+
+// Both errors count in full: what they share makes them agree better than that.
+bool MapAlignment::agrees_with_continued(const AnswerMeasurement& answer) const {
+  const Vector6d residual = local_coordinates(T_map_odom_ * answer.T_odom_body, answer.T_map_body);
+  const Matrix6d S =
+      answer.J_alignment * P_.topLeftCorner<6, 6>() * answer.J_alignment.transpose() +
+      answer.covariance;
+  return chi_square(residual, S) <= config_.gate_chi_square;
 }
 
 // Of u, from the answer it belongs to on to a later one. The windows of both overlap; so of two
@@ -131,6 +153,12 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   }
   if (answer.map_hash != map_hash_) {
     return AnswerOutcome::kWrongMap;
+  }
+  if (continued_) {
+    const bool agrees = agrees_with_continued(answer);
+    if (!agrees && !rivals_.add(answer)) return AnswerOutcome::kGated;
+    if (!initialize(answer)) return AnswerOutcome::kImplausibleTilt;
+    return agrees ? AnswerOutcome::kApplied : AnswerOutcome::kRestarted;
   }
   const MapAlignment before = *this;
   age_error(answer);

@@ -55,6 +55,12 @@ class MapAlignment {
   /// The same, with a covariance that reaches to what contradicting answers say.
   [[nodiscard]] std::optional<StartPose> start_pose() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
+  /// The same after a reset of the odometry: `pose` stands for what is known of it until an answer
+  /// comes that agrees, and takes its place. Nothing before the first applied answer.
+  [[nodiscard]] MapAlignment continued(const StartPose& pose) const;
+  /// No answer has been applied since.
+  [[nodiscard]] bool is_continued() const { return continued_; }
+
   /// Rejected answers agree with each other on something else.
   [[nodiscard]] bool contradicted() const { return rivals_.contradict(); }
 
@@ -62,6 +68,7 @@ class MapAlignment {
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
   bool initialize(const AnswerMeasurement& answer);
+  [[nodiscard]] bool agrees_with_continued(const AnswerMeasurement& answer) const;
   [[nodiscard]] Matrix6d error_transition(const AnswerMeasurement& answer) const;
   void age_error(const AnswerMeasurement& answer);
   template <int N>
@@ -71,6 +78,7 @@ class MapAlignment {
 
   Config config_;
   MapHash map_hash_{};
+  bool continued_ = false;
   std::optional<Timestamp> last_applied_;
   Timestamp error_stamp_;                       ///< of u
   Matrix6d error_root_ = Matrix6d::Identity();  ///< of the answer that u belongs to, in map axes

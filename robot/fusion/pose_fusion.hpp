@@ -67,7 +67,7 @@ class PoseFusion {
   PoseFusion(const PoseFusion&) = delete;
   PoseFusion& operator=(const PoseFusion&) = delete;
 
-  /// A sample that is not newer than the last one changes nothing.
+  /// A sample that is not newer than the last one, or not finite, changes nothing.
   virtual PoseEstimate add_imu(const ImuSample& sample) = 0;
 
   /// The odometry's state at the stamp of a frame; stamps increase. IMU samples newer than it are
@@ -81,10 +81,15 @@ class PoseFusion {
   /// the buffer cover the stamp: so add the sample after a frame first.
   [[nodiscard]] virtual std::optional<PoseEstimate> estimate_at(Timestamp stamp) const = 0;
 
-  /// The odometry starts anew with an origin of its own: odom poses, T_map_odom and the map that it
-  /// refers to are forgotten, and only answers of this session count from now on. Before the first
-  /// call all do.
-  virtual void reset(SessionNumber session) = 0;
+  /// The odometry has failed: until it starts anew poses are dead-reckoned from its last state, and
+  /// never count as localized.
+  virtual void interrupt() = 0;
+
+  /// The odometry starts anew: its poses are forgotten, and only answers of this session count from
+  /// now on. Before the first call all do. Without `carried`, or if there never was an answer, so
+  /// are T_map_odom and the map that it refers to. Otherwise T_map_odom becomes `carried` until the
+  /// first answer that agrees with it.
+  virtual void reset(SessionNumber session, const std::optional<StartPose>& carried) = 0;
 
   /// T_map_odom as it is now, to start a session of the cloud with; from the first applied answer
   /// on, also while lost. Where answers contradict it, its covariance reaches to what they say.

@@ -8,8 +8,10 @@ namespace fleetloc {
 SingleFilterFusion::SingleFilterFusion(const ImuNoise& noise, const Config& config)
     : config_(config), frames_(noise, config), newest_(config.answers) {}
 
-void SingleFilterFusion::reset(SessionNumber session) {
+// The filter's map pose hangs on the odometry's frame: it starts over.
+void SingleFilterFusion::reset(SessionNumber session, const std::optional<StartPose>& /*carried*/) {
   frames_.reset(session);
+  interrupted_ = false;
   stops_.clear();
   newest_ = MapBodyFilter(config_.answers);
   map_prediction_.reset();
@@ -162,6 +164,7 @@ PoseEstimate SingleFilterFusion::estimate(const ImuPrediction& in_odom,
   judge(result,
         {.last_applied = filter.last_applied(),
          .contradicted = filter.contradicted(),
+         .carried = interrupted_,
          .newest_odometry = frames_.newest().odometry.stamp},
         config_);
   return result;

@@ -28,7 +28,8 @@ class SingleFilterFusion final : public PoseFusion {
   Verdict add_odometry(const OdometryEstimate& estimate) override;
   Verdict add_answer(const Answer& answer) override;
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
-  void reset(SessionNumber session) override;
+  void interrupt() override { interrupted_ = true; }
+  void reset(SessionNumber session, const std::optional<StartPose>& carried) override;
   [[nodiscard]] std::optional<StartPose> start_pose() const override;
 
  private:
@@ -51,6 +52,7 @@ class SingleFilterFusion final : public PoseFusion {
 
   Config config_;
   DelayedFrames frames_;
+  bool interrupted_ = false;
   std::deque<Stop> stops_;                       ///< at the frames that the IMU has reached
   MapBodyFilter newest_;                         ///< after the last stop's answer
   std::optional<ImuPrediction> map_prediction_;  ///< from it, at the last IMU sample

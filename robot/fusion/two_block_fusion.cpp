@@ -11,10 +11,11 @@ TwoBlockFusion::TwoBlockFusion(const ImuNoise& noise, const Config& config)
       oldest_(config.answers),
       alignment_(config.answers) {}
 
-void TwoBlockFusion::reset(SessionNumber session) {
+void TwoBlockFusion::reset(SessionNumber session, const std::optional<StartPose>& carried) {
   frames_.reset(session);
-  oldest_ = MapAlignment(config_.answers);
-  alignment_ = MapAlignment(config_.answers);
+  interrupted_ = false;
+  oldest_ = carried ? alignment_.continued(*carried) : MapAlignment(config_.answers);
+  alignment_ = oldest_;
 }
 
 PoseEstimate TwoBlockFusion::add_imu(const ImuSample& sample) {
@@ -94,6 +95,7 @@ PoseEstimate TwoBlockFusion::estimate(const ImuPrediction& prediction) const {
   judge(result,
         {.last_applied = alignment_.last_applied(),
          .contradicted = alignment_.contradicted(),
+         .carried = interrupted_ || alignment_.is_continued(),
          .newest_odometry = frames_.newest().odometry.stamp},
         config_);
   return result;

@@ -27,7 +27,8 @@ class TwoBlockFusion final : public PoseFusion {
   Verdict add_odometry(const OdometryEstimate& estimate) override;
   Verdict add_answer(const Answer& answer) override;
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
-  void reset(SessionNumber session) override;
+  void interrupt() override { interrupted_ = true; }
+  void reset(SessionNumber session, const std::optional<StartPose>& carried) override;
   [[nodiscard]] std::optional<StartPose> start_pose() const override;
 
  private:
@@ -39,6 +40,7 @@ class TwoBlockFusion final : public PoseFusion {
 
   Config config_;
   DelayedFrames frames_;
+  bool interrupted_ = false;
   MapAlignment oldest_;     ///< just before the oldest frame
   MapAlignment alignment_;  ///< at the newest frame
 };

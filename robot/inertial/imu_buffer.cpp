@@ -20,7 +20,8 @@ bool is_older(const ImuSample& sample, Timestamp stamp) {
 }  // namespace
 
 bool ImuBuffer::add(const ImuSample& sample) {
-  if (!samples_.empty() && sample.stamp <= samples_.back().stamp) {
+  const bool finite = sample.angular_velocity.allFinite() && sample.specific_force.allFinite();
+  if (!finite || (!samples_.empty() && sample.stamp <= samples_.back().stamp)) {
     return false;
   }
   samples_.push_back(sample);
@@ -55,6 +56,10 @@ void ImuBuffer::forget_before(Timestamp stamp) {
 
 bool ImuBuffer::covers(Timestamp stamp) const {
   return !samples_.empty() && samples_.front().stamp <= stamp && stamp <= samples_.back().stamp;
+}
+
+bool ImuBuffer::begins_after(Timestamp stamp) const {
+  return !samples_.empty() && stamp < samples_.front().stamp;
 }
 
 }  // namespace fleetloc

@@ -71,6 +71,18 @@ double square(double x) {
   return x * x;
 }
 
+// Variances of the means of [gyroscope, accelerometer] over an interval, apart from the biases. In
+// a gap either end is all that is known: the mean of a random walk from there has q^2 dt / 3.
+Vector6d white_variance(const ImuNoise& noise, double dt) {
+  Vector6d variance =
+      both(square(noise.gyroscope_noise_density), square(noise.accelerometer_noise_density)) / dt;
+  const ImuGapModel& gaps = noise.gaps;
+  if (gaps.bridged_from_s > 0.0 && dt > gaps.bridged_from_s) {
+    variance += both(square(gaps.angular_acceleration), square(gaps.jerk)) * (dt / 3.0);
+  }
+  return variance;
+}
+
 }  // namespace
 
 Preintegration::Preintegration(std::span<const ImuSample> samples,
@@ -94,8 +106,7 @@ void Preintegration::integrate(const ImuSample& from, const ImuSample& to) {
   const double walked = to_seconds(from.stamp - samples_.front().stamp) + 0.5 * dt;
   const Vector6d walk =
       walked * both(square(noise_.gyroscope_random_walk), square(noise_.accelerometer_random_walk));
-  const Vector6d white =
-      both(square(noise_.gyroscope_noise_density), square(noise_.accelerometer_noise_density)) / dt;
+  const Vector6d white = white_variance(noise_, dt);
   step.advance(bias_walk_covariance_);
   step.advance(covariance_);
   covariance_.transposeInPlace();

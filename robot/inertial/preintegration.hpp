@@ -19,7 +19,8 @@ using Matrix96d = Eigen::Matrix<double, 9, 6>;
 class Preintegration {
  public:
   /// Integrates `samples` (increasing stamps, at least two) from the first stamp to the last one
-  /// at the given bias. Between samples the mean of both ends is applied (midpoint rule).
+  /// at the given bias. Between samples the mean of both ends is applied (midpoint rule); where
+  /// they are as far apart as in a gap, that mean is uncertain.
   Preintegration(std::span<const ImuSample> samples, ImuBias bias, const ImuNoise& noise);
 
   [[nodiscard]] Duration duration() const;

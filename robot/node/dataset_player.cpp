@@ -13,8 +13,8 @@ constexpr std::size_t kAhead = 64;  // items, of which one in eleven or so is an
 
 }  // namespace
 
-DatasetPlayer::DatasetPlayer(DatasetReader reader, double rate)
-    : reader_(std::move(reader)),
+DatasetPlayer::DatasetPlayer(FaultInjector input, double rate)
+    : input_(std::move(input)),
       rate_(rate),
       played_(kAhead, Overflow::kBlock),
       thread_([this](const std::stop_token& stop) { play(stop); }) {}
@@ -34,7 +34,7 @@ void DatasetPlayer::play(const std::stop_token& stop) {
   try {
     while (!stop.stop_requested()) {
       const Duration begin = thread_cpu_time();
-      auto item = reader_.next();
+      auto item = input_.next();
       if (!item) break;
       const Duration cpu = thread_cpu_time() - begin;
       wait_for(std::visit([](const auto& value) { return value.stamp; }, *item), stop);

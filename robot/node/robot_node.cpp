@@ -52,7 +52,7 @@ struct RobotNode::Parts {
         pipeline(setup(options, reader), config.pipeline, back_end, &client, thread_cpu_time),
         recorder(options.out),
         frame_count(reader.frame_count()),
-        player(std::move(reader), options.rate) {}
+        player(FaultInjector(std::move(reader), options.faults), options.rate) {}
 
   void play(const std::stop_token& stop);
   void take(DatasetPlayer::Played played);
@@ -88,14 +88,14 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
     ++frames;
     return;
   }
-  const auto& sample = std::get<ImuSample>(played.item);
-  const PoseEstimate pose = pipeline.add_imu(sample);
-  client.set_quality(pose.quality);
-  pipeline.poll(sample.stamp);
+  const auto pose = pipeline.add_imu(std::get<ImuSample>(played.item));
+  if (!pose) return;  // refused: neither its content nor its stamp can be trusted
+  client.set_quality(pose->quality);
+  pipeline.poll(pose->stamp);
   for (const std::string& event : client.take_events()) spdlog::info("{}: {}", id, event);
-  recorder.add_imu_rate_pose(pose);
+  recorder.add_imu_rate_pose(*pose);
   recorder.take(pipeline, client.traffic());
-  if (pose.quality != Quality::kInitializing) publish(pose);
+  if (pose->quality != Quality::kInitializing) publish(*pose);
 }
 
 void RobotNode::Parts::publish(const PoseEstimate& pose) {
@@ -118,7 +118,7 @@ void RobotNode::Parts::play(const std::stop_token& stop) {
 void RobotNode::Parts::finish(double wall_s) {
   player.stop();
   recorder.take(pipeline, client.traffic());
-  auto faults = player.reader().faults();
+  auto faults = player.input().faults();
   if (unpublished > 0) faults["unpublished_poses"] = unpublished;
   recorder.finish(pipeline, client.traffic(), wall_s, faults);
   const CloudClient::Statistics statistics = client.statistics();
@@ -129,6 +129,7 @@ void RobotNode::Parts::finish(double wall_s) {
                statistics.submaps_sent,
                statistics.answers_received,
                statistics.localizer.empty() ? "no localizer" : statistics.localizer);
+  if (pipeline.resets() > 0) spdlog::warn("{}: {} resets of the odometry", id, pipeline.resets());
   for (const auto& [reason, count] : statistics.refused) {
     spdlog::warn("{}: {} messages not used: {}", id, count, reason);
   }

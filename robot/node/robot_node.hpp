@@ -7,6 +7,7 @@
 
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/dataset/fault_injector.hpp"
 #include "shared/link/link_model.hpp"
 
 namespace fleetloc {
@@ -22,6 +23,7 @@ struct RobotNodeOptions {
   std::optional<double> duration_s;
   std::optional<Pose> T_map_body;  ///< at the first image
   std::optional<LinkConfig> link;
+  FaultPlan faults;
 };
 
 struct RobotNodeConfig {

@@ -1,16 +1,21 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "robot/inertial/preintegration.hpp"
-#include "robot/vio/vio_config.hpp"
-#include "shared/config/config_reader.hpp"
+#include "robot/pipeline/continuation.hpp"
 
 namespace fleetloc {
 namespace {
 
-// More frames than this waiting for the IMU mean that it has stopped: the oldest are given up.
-constexpr std::size_t kMaxPending = 4;
+// Initializations look back less far than this.
+constexpr Duration kDeadReckonedFor = std::chrono::seconds(30);
+
+Duration longest_imu_step(const RobotPipeline::Config& config) {
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double>(config.frame_estimator.noise.imu_gaps.void_from_s));
+}
 
 }  // namespace
 
@@ -25,20 +30,33 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       back_end_(back_end),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
+      gate_(longest_imu_step(config)),
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
+      health_(config.health),
       fusion_(make_pose_fusion(inflated(setup_.imu_noise, config.frame_estimator.noise),
                                config.fusion)) {}
 
-PoseEstimate RobotPipeline::add_imu(const ImuSample& sample) {
-  ++imu_samples_;
-  if (!imu_.add(sample)) ++refused_imu_samples_;
-  const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
-  PoseEstimate pose = fusion_->add_imu(sample);
-  if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
+std::optional<PoseEstimate> RobotPipeline::add_imu(const ImuSample& sample) {
+  const std::vector<ImuSample> admitted = gate_.admit(sample);
+  for (const ImuSample& one : admitted) take_imu(one);
+  if (admitted.empty()) return std::nullopt;
   process_pending();
-  return pose;
+  return latest_pose_;
+}
+
+void RobotPipeline::take_imu(const ImuSample& sample) {
+  if (imu_samples_ > 0 && sample.stamp - latest_pose_.stamp > longest_imu_step(config_)) {
+    imu_ = ImuBuffer{};  // nothing may be integrated across
+    ++faults_["imu_gaps"];
+    if (initialization_) reset(ResetCause::kImuGap);
+  }
+  ++imu_samples_;
+  imu_.add(sample);
+  const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
+  latest_pose_ = fusion_->add_imu(sample);
+  if (cpu_clock_) fusion_cpu_ += cpu_clock_() - begin;
 }
 
 void RobotPipeline::add_images(StereoFrame frame) {
@@ -50,9 +68,13 @@ void RobotPipeline::add_tracks(TrackedFrame frame) {
 }
 
 void RobotPipeline::add_frame(Frame frame) {
+  const Timestamp stamp = std::visit([](const auto& one) { return one.stamp; }, frame);
+  if (const std::string_view reason = gate_.judge_frame(stamp); !reason.empty()) {
+    frames_.push_back({.stamp = stamp, .pose = {}, .refused = reason});
+    return;
+  }
   pending_.push_back(std::move(frame));
   process_pending();
-  if (pending_.size() > kMaxPending) pending_.pop_front();
 }
 
 void RobotPipeline::poll(Timestamp now) {
@@ -61,19 +83,24 @@ void RobotPipeline::poll(Timestamp now) {
 }
 
 void RobotPipeline::process_pending() {
-  const auto stamp = [](const auto& frame) { return frame.stamp; };
-  while (!pending_.empty() && imu_.covers(std::visit(stamp, pending_.front()))) {
+  while (!pending_.empty()) {
+    const Timestamp stamp =
+        std::visit([](const auto& frame) { return frame.stamp; }, pending_.front());
+    const bool lost_to_gap = imu_.begins_after(stamp);
+    if (!lost_to_gap && !imu_.covers(stamp)) return;
     Frame frame = std::move(pending_.front());
     pending_.pop_front();
-    frames_.push_back(take_frame(std::move(frame)));
+    frames_.push_back(lost_to_gap ? give_up(stamp) : take_frame(std::move(frame)));
   }
 }
 
 FrameOutput RobotPipeline::take_frame(Frame frame) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   const TrackedFrame tracks = tracked(std::move(frame));
-  FrameOutput output{
-      .stamp = tracks.stamp, .pose = {}, .tracks = static_cast<int>(tracks.observations.size())};
+  FrameOutput output{.stamp = tracks.stamp,
+                     .pose = {},
+                     .refused = {},
+                     .tracks = static_cast<int>(tracks.observations.size())};
   if (!first_frame_) first_frame_ = tracks.stamp;
   if (window_) {
     output.keyframe = estimate(tracks);
@@ -82,26 +109,64 @@ FrameOutput RobotPipeline::take_frame(Frame frame) {
   }
   previous_frame_ = tracks.stamp;
   if (cpu_clock_) output.tracking_cpu = cpu_clock_() - begin;
-  if (const auto pose = fusion_->estimate_at(tracks.stamp)) output.pose = *pose;
-  output.pose.stamp = tracks.stamp;
+  output.pose = pose_at(tracks.stamp);
+  output.resets = resets_;
   return output;
+}
+
+// Without the IMU around it a frame tells nothing, but there is a pose.
+FrameOutput RobotPipeline::give_up(Timestamp stamp) {
+  ++faults_["frames_in_imu_gaps"];
+  return {.stamp = stamp, .pose = pose_at(stamp), .refused = {}, .resets = resets_};
+}
+
+// Beyond fusion's buffer what the newest IMU sample says: that is the one after the frame.
+PoseEstimate RobotPipeline::pose_at(Timestamp stamp) const {
+  PoseEstimate pose = fusion_->estimate_at(stamp).value_or(latest_pose_);
+  pose.stamp = stamp;
+  return pose;
 }
 
 TrackedFrame RobotPipeline::tracked(Frame frame) {
   if (auto* tracks = std::get_if<TrackedFrame>(&frame)) return std::move(*tracks);
-  const auto& images = std::get<StereoFrame>(frame);
+  auto& images = std::get<StereoFrame>(frame);
+  check_image(images.left, setup_.calibration.cam0);
+  check_image(images.right, setup_.calibration.cam1);
   return tracker_.track(images, predicted_rotation(images.stamp));
 }
 
+void RobotPipeline::check_image(cv::Mat& image, const Camera& camera) {
+  if (image.empty()) {
+    ++faults_["missing_images"];
+  } else if (image.type() != CV_8UC1 || image.cols != camera.width_px ||
+             image.rows != camera.height_px) {
+    ++faults_["wrong_images"];
+    image = cv::Mat();
+  }
+}
+
 void RobotPipeline::initialize(const TrackedFrame& frame) {
+  if (resets_ > 0) {
+    dead_reckoned_[frame.stamp] = pose_at(frame.stamp);
+    dead_reckoned_.erase(dead_reckoned_.begin(),
+                         dead_reckoned_.lower_bound(frame.stamp - kDeadReckonedFor));
+  }
+  if (back_end_busy_) return;  // with what a reset has voided; the next frames will do
   std::vector<ImuSample> since_previous;
   if (previous_frame_) since_previous = imu_.between(*previous_frame_, frame.stamp);
   imu_.forget_before(frame.stamp);
   auto initialization = initializer_.add(frame, since_previous);
   if (!initialization) return;
+  const auto before = dead_reckoned_.find(initialization->keyframes.front().frame.stamp);
+  if (before != dead_reckoned_.end() && before->second.quality != Quality::kInitializing) {
+    continued_ = before->second;
+    continue_from(*continued_, *initialization);
+  }
+  dead_reckoned_.clear();
   initialization_ = *initialization;
   newest_keyframe_ = initialization->keyframes.back().frame.stamp;
   next_keyframe_ = static_cast<std::uint32_t>(initialization->keyframes.back().id) + 1;
+  keyframes_ += initialization->keyframes.size();
   back_end_.start(std::move(*initialization), frame.stamp);
   back_end_busy_ = true;
 }
@@ -109,6 +174,12 @@ void RobotPipeline::initialize(const TrackedFrame& frame) {
 bool RobotPipeline::estimate(const TrackedFrame& frame) {
   const auto result = frame_estimator_.estimate(frame, imu_);
   if (!result) return false;
+  if (!result->sighted) ++faults_["blind_frames"];
+  if (result->contradicted) ++faults_["contradicted_frames"];
+  if (const auto cause = health_.check(*result)) {
+    reset(*cause);
+    return false;
+  }
   fusion_->add_odometry(result->estimate);
   if (!result->wants_keyframe || back_end_busy_) return false;
   auto imu = imu_.between(newest_keyframe_, frame.stamp);
@@ -118,10 +189,25 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
     keyframe.correction = localizer_->take_correction();
   }
   back_end_.start(std::move(keyframe), frame.stamp);
+  ++keyframes_;
   frame_estimator_.keyframe_made(frame, result->estimate.state);
   back_end_busy_ = true;
   newest_keyframe_ = frame.stamp;
   return true;
+}
+
+void RobotPipeline::reset(ResetCause cause) {
+  ++resets_;
+  ++faults_["reset_" + std::string(name(cause))];
+  setup_.session = SessionNumber{static_cast<std::uint32_t>(setup_.session) + 1};
+  window_.reset();
+  initialization_.reset();
+  continued_.reset();
+  result_is_void_ = back_end_busy_;
+  initializer_ = Initializer(stereo_, setup_.imu_noise, config_.initializer);
+  frame_estimator_ = FrameEstimator(stereo_, setup_.imu_noise, config_.frame_estimator);
+  health_.reset();
+  fusion_->interrupt();
 }
 
 void RobotPipeline::take_back_end(Timestamp now) {
@@ -129,6 +215,8 @@ void RobotPipeline::take_back_end(Timestamp now) {
   if (!result) return;
   back_end_busy_ = false;
   back_end_cpu_.push_back(result->cpu);
+  if (std::exchange(result_is_void_, false)) return;
+  if (const auto cause = health_.check(*result->window)) return reset(*cause);
   const bool first = window_ == nullptr;
   window_ = std::move(result->window);
   corrections_applied_ += static_cast<std::uint64_t>(window_->diagnostics.corrections_applied);
@@ -144,8 +232,12 @@ void RobotPipeline::take_back_end(Timestamp now) {
 
 // The cloud will answer for this keyframe too, so fusion must know it.
 void RobotPipeline::fuse_first_window() {
+  std::optional<StartPose> carried;
+  if (continued_ && continued_->T_map_body) {
+    carried = continued_alignment(*continued_, window_->keyframes.front().state.T_odom_body);
+  }
+  fusion_->reset(setup_.session, carried);
   const WindowKeyframe& newest = window_->keyframes.back();
-  fusion_->reset(setup_.session);
   fusion_->add_odometry({newest.stamp, newest.state, window_->covariance});
 }
 
@@ -160,9 +252,8 @@ void RobotPipeline::take_cloud(Timestamp now) {
       output.applied = verdict.applied;
       output.reason = verdict.reason;
       aligned_ = aligned_ || verdict.applied;
-      const auto start = verdict.applied ? fusion_->start_pose() : std::nullopt;
-      if (start) localizer_->update_start(*start);
     }
+    if (output.applied) localizer_->update_start(*fusion_->start_pose());
     answers_.push_back(std::move(output));
   }
 }
@@ -173,17 +264,32 @@ void RobotPipeline::start_session(Timestamp now) {
   session.session = setup_.session;
   session.start_stamp = setup_.program_start;
   session.stereo = stereo_;
-  if (setup_.T_map_body && initialization_->T_first_newest) {
-    session.start = start_pose(*setup_.T_map_body * *initialization_->T_first_newest);
+  if (const auto alignment = fusion_->start_pose()) {
+    start_ = alignment;
+  } else if (continued_ && start_) {
+    start_ = continued_start(*start_, *continued_);
+  } else if (setup_.T_map_body) {
+    start_ = start_pose(*setup_.T_map_body);
   }
+  session.start = start_;
   localizer_->start_session(session, now);
 }
 
-// A person's start pose holds at the first image; where the motion since then was not seen, there
-// is none.
-StartPose RobotPipeline::start_pose(const Pose& T_map_body) const {
+// A person's start pose holds at the first image. Where the motion since then was not seen, only
+// its bounds are known.
+StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
-  return start_pose_at(T_map_body, T_odom_body, config_.start);
+  const std::optional<Pose>& T_first_newest = initialization_->T_first_newest;
+  if (T_first_newest && resets_ == 0) {
+    return start_pose_at(T_map_body_first * *T_first_newest, T_odom_body, config_.start);
+  }
+  const ImuGapModel& bounds = config_.frame_estimator.noise.imu_gaps;
+  const double t = to_seconds(newest_keyframe_ - *first_frame_);
+  StartUncertainty sigma = config_.start;
+  sigma.position_sigma_m = std::hypot(sigma.position_sigma_m, bounds.speed_sigma * t);
+  sigma.yaw_sigma_rad = std::hypot(sigma.yaw_sigma_rad, bounds.turn_rate_sigma * t);
+  sigma.tilt_sigma_rad = std::hypot(sigma.tilt_sigma_rad, bounds.turn_rate_sigma * t);
+  return start_pose_at(T_map_body_first, T_odom_body, sigma);
 }
 
 // From the gyroscope alone; nothing where the IMU has a gap.
@@ -195,22 +301,10 @@ Eigen::Quaterniond RobotPipeline::predicted_rotation(Timestamp stamp) const {
   return Preintegration(samples, bias, setup_.imu_noise).deltas(bias).R;
 }
 
-RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
-  constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-  const VioConfig vio = read_vio_config(config.section("vio"));
-  ConfigReader start = config.section("start");
-  return {.tracking = read_feature_tracker_config(config.section("tracking")),
-          .initializer = vio.initializer,
-          .frame_estimator = vio.frame_estimator,
-          .fusion = read_pose_fusion_config(config.section("fusion")),
-          .start = {.position_sigma_m = start.positive("position_sigma_m"),
-                    .yaw_sigma_rad = start.positive("yaw_sigma_deg") * kRadPerDeg,
-                    .tilt_sigma_rad = start.positive("tilt_sigma_deg") * kRadPerDeg}};
-}
-
-KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {
-  return {.window = read_vio_config(config.section("vio")).window,
-          .submap = read_submap_builder_config(config.section("submap"))};
+std::map<std::string, std::uint64_t> RobotPipeline::faults() const {
+  std::map<std::string, std::uint64_t> faults = faults_;
+  for (const auto& [reason, count] : gate_.refused()) faults["refused_" + reason] = count;
+  return faults;
 }
 
 }  // namespace fleetloc

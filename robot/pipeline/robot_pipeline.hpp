@@ -1,8 +1,10 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -11,6 +13,8 @@
 #include "robot/fusion/pose_fusion.hpp"
 #include "robot/inertial/imu_buffer.hpp"
 #include "robot/pipeline/back_end.hpp"
+#include "robot/pipeline/input_gate.hpp"
+#include "robot/pipeline/odometry_health.hpp"
 #include "robot/pipeline/start_pose.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
@@ -28,7 +32,7 @@ struct RobotSetup {
   RobotId id;
   StereoCalibration calibration;
   ImuNoise imu_noise;
-  SessionNumber session{1};        ///< of the first start of the odometry; higher in later programs
+  SessionNumber session{1};        ///< of the first start of the odometry; each reset adds one
   Timestamp program_start{};       ///< a later one replaces what the cloud knows of the robot
   std::optional<Pose> T_map_body;  ///< at the first image
   /// A control: ignore every answer after the first applied one, and all corrections.
@@ -38,9 +42,11 @@ struct RobotSetup {
 /// What became of one stereo frame.
 struct FrameOutput {
   Timestamp stamp;
-  PoseEstimate pose;  ///< at the stamp, as known when the frame had been tracked
-  int tracks = 0;     ///< observations of the frame
+  PoseEstimate pose;         ///< at the stamp, as known when the frame had been tracked
+  std::string_view refused;  ///< why it was not used at all, and has no pose; empty as a rule
+  int tracks = 0;            ///< observations of the frame
   bool keyframe = false;
+  std::uint64_t resets = 0;  ///< of the odometry so far
   Duration tracking_cpu{};
 };
 
@@ -54,12 +60,17 @@ struct AnswerOutput {
 
 /// The robot: images and IMU in, poses out, submaps to a MapLocalizer and its answers back.
 /// It owns no threads and reads no clock; the back end runs where `BackEnd` lets it.
+///
+/// Some bad images are bridged by inertial prediction. Where that is not enough (OdometryHealth)
+/// the odometry is reset: a new session begins as soon as it has been initialized again, in motion.
+/// Poses are dead-reckoned meanwhile, and odom goes on where dead reckoning puts it.
 class RobotPipeline {
  public:
   struct Config {
     FeatureTracker::Config tracking;
     Initializer::Config initializer;
     FrameEstimator::Config frame_estimator;
+    OdometryHealth::Config health;
     PoseFusion::Config fusion;
     StartUncertainty start;
   };
@@ -71,10 +82,12 @@ class RobotPipeline {
                 MapLocalizer* localizer,
                 CpuClock cpu_clock = {});
 
-  /// The pose at the sample's stamp. A sample that is not newer than the last one is ignored.
-  PoseEstimate add_imu(const ImuSample& sample);
+  /// The pose at the sample's stamp; nothing if the sample is refused, or has to be confirmed by
+  /// the next one (InputGate).
+  std::optional<PoseEstimate> add_imu(const ImuSample& sample);
 
-  /// A frame is tracked as soon as the IMU covers its stamp; stamps increase.
+  /// A frame is tracked as soon as the IMU covers its stamp. An image that is missing, or not as
+  /// calibrated, is done without. Each frame gives one FrameOutput.
   void add_images(StereoFrame frame);
 
   /// The same for a frame that has been tracked elsewhere: by a simulation, or by a recording.
@@ -88,29 +101,37 @@ class RobotPipeline {
   std::vector<AnswerOutput> take_answers() { return std::exchange(answers_, {}); }
 
   [[nodiscard]] std::uint64_t submaps_built() const { return submaps_built_; }
-  [[nodiscard]] std::uint64_t keyframes() const { return next_keyframe_; }
+  [[nodiscard]] std::uint64_t keyframes() const { return keyframes_; }
   /// Landmarks and relative poses of the cloud that entered the window, and that did not.
   [[nodiscard]] std::uint64_t corrections_applied() const { return corrections_applied_; }
   [[nodiscard]] std::uint64_t corrections_ignored() const { return corrections_ignored_; }
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
-  [[nodiscard]] std::uint64_t refused_imu_samples() const { return refused_imu_samples_; }
+  [[nodiscard]] std::uint64_t resets() const { return resets_; }
+  /// What was wrong with the input, and what came of it, by kind: "refused_...", "missing_images",
+  /// "wrong_images", frames that were "blind" or "contradicted", and "reset_..." by cause.
+  [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
 
  private:
   using Frame = std::variant<StereoFrame, TrackedFrame>;
+  void take_imu(const ImuSample& sample);
   void add_frame(Frame frame);
   void process_pending();
   TrackedFrame tracked(Frame frame);
+  void check_image(cv::Mat& image, const Camera& camera);
   FrameOutput take_frame(Frame frame);
+  FrameOutput give_up(Timestamp stamp);
+  [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
   void initialize(const TrackedFrame& frame);
   bool estimate(const TrackedFrame& frame);
+  void reset(ResetCause cause);
   void take_back_end(Timestamp now);
   void fuse_first_window();
   void take_cloud(Timestamp now);
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
-  [[nodiscard]] StartPose start_pose(const Pose& T_map_body) const;
+  [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
 
   RobotSetup setup_;
   Config config_;
@@ -119,29 +140,43 @@ class RobotPipeline {
   MapLocalizer* localizer_;
   CpuClock cpu_clock_;
 
+  InputGate gate_;
   FeatureTracker tracker_;
   Initializer initializer_;
   FrameEstimator frame_estimator_;
+  OdometryHealth health_;
   std::unique_ptr<PoseFusion> fusion_;
   ImuBuffer imu_;
 
   std::deque<Frame> pending_;
   std::optional<Timestamp> first_frame_;
   std::optional<Timestamp> previous_frame_;
+  PoseEstimate latest_pose_;  // at the newest IMU sample
   Timestamp newest_keyframe_;
   std::uint32_t next_keyframe_ = 0;
   bool back_end_busy_ = false;
+  bool result_is_void_ = false;  // the job in the back end belongs to a session that has ended
   bool aligned_ = false;
-  std::optional<Initialization> initialization_;  // once it is found
-  std::shared_ptr<const WindowEstimate> window_;  // the latest
+  std::optional<Initialization> initialization_;     // once it is found
+  std::shared_ptr<const WindowEstimate> window_;     // the latest
+  std::map<Timestamp, PoseEstimate> dead_reckoned_;  // of the frames since a reset
+  std::optional<PoseEstimate> continued_;  // dead-reckoned, at the oldest keyframe of a new start
+  std::optional<StartPose> start_;         // of the session
   std::vector<FrameOutput> frames_;
   std::vector<AnswerOutput> answers_;
   std::vector<Duration> back_end_cpu_;
   std::uint64_t submaps_built_ = 0;
   std::uint64_t corrections_applied_ = 0;
   std::uint64_t corrections_ignored_ = 0;
+  std::uint64_t keyframes_ = 0;
   std::uint64_t imu_samples_ = 0;
-  std::uint64_t refused_imu_samples_ = 0;
+  std::uint64_t resets_ = 0;
+  std::map<std::string, std::uint64_t> faults_ = {{"imu_gaps", 0},
+                                                  {"frames_in_imu_gaps", 0},
+                                                  {"missing_images", 0},
+                                                  {"wrong_images", 0},
+                                                  {"blind_frames", 0},
+                                                  {"contradicted_frames", 0}};
   Duration fusion_cpu_{};
 };
 

@@ -13,6 +13,7 @@ double seconds(const timeval& time) {
 
 void RunRecorder::take(RobotPipeline& pipeline, const RunTraffic& traffic) {
   for (const FrameOutput& frame : pipeline.take_frames()) {
+    if (!frame.refused.empty()) continue;  // has no pose, and a stamp that would spoil the files
     summary_.tracking_ms.push_back(1e3 * to_seconds(frame.tracking_cpu));
     folder_.add_frame({.pose = frame.pose,
                        .uplink_bytes = traffic.uplink_bytes,
@@ -20,7 +21,8 @@ void RunRecorder::take(RobotPipeline& pipeline, const RunTraffic& traffic) {
                        .loss = traffic.loss,
                        .round_trip = traffic.round_trip,
                        .tracks = frame.tracks,
-                       .keyframe = frame.keyframe});
+                       .keyframe = frame.keyframe,
+                       .resets = frame.resets});
   }
   for (const AnswerOutput& output : pipeline.take_answers()) {
     folder_.add_answer({.stamp = output.answer.stamp,
@@ -48,7 +50,8 @@ void RunRecorder::finish(const RobotPipeline& pipeline,
   summary_.uplink_wire_bytes = traffic.uplink_wire_bytes;
   summary_.downlink_wire_bytes = traffic.downlink_wire_bytes;
   summary_.input_faults = input_faults;
-  summary_.input_faults["refused_imu_samples"] = pipeline.refused_imu_samples();
+  for (const auto& [kind, count] : pipeline.faults()) summary_.input_faults[kind] += count;
+  summary_.resets = pipeline.resets();
   summary_.wall_s = wall_s;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -70,17 +70,19 @@ std::vector<KnownPoint> known_points(const TrackedFrame& frame,
 }
 
 // Moves a prediction to the minimum of its own error and the reprojection errors, by Gauss-Newton
-// in covariance form: d = -P E (I + H P_66)^-1 b. `inliers` are those of the last step.
+// in covariance form: d = -P E (I + H P_66)^-1 b. `inliers` are those of the last step. Of an
+// honest prediction and honest pixels, d^T P_66^-1 d is chi-square of 6 degrees at most.
 struct Refinement {
   LocalState state;
   int inliers = 0;
+  double correction_chi_square = 0.0;
 };
 Refinement refined(const LocalState& prediction,
                    const std::vector<KnownPoint>& points,
                    const RectifiedStereo& stereo,
                    const FrameEstimator::Config& config) {
   const Matrix6d P = prediction.covariance.topLeftCorner<6, 6>();
-  Refinement result{prediction, 0};
+  Refinement result{prediction, 0, 0.0};
   Vector15d delta = Vector15d::Zero();
   PoseSystem system;
   Matrix6d gain = Matrix6d::Zero();  // (I + H P)^-1
@@ -97,6 +99,8 @@ Refinement refined(const LocalState& prediction,
   const Eigen::Matrix<double, 15, 6> C = prediction.covariance.leftCols<6>();
   result.state.covariance = prediction.covariance - C * (gain * system.H) * C.transpose();
   result.inliers = system.inliers;
+  const Vector6d correction = delta.head<6>();
+  result.correction_chi_square = correction.dot(P.ldlt().solve(correction));
   return result;
 }
 
@@ -183,13 +187,20 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
     if (result.tracked >= config_.min_tracked) {
       const Refinement refinement = refined(local, points, stereo_, config_);
       result.outliers = result.tracked - refinement.inliers;
-      local = refinement.state;
+      result.correction_chi_square = refinement.correction_chi_square;
+      result.contradicted = !(result.correction_chi_square <= config_.max_correction_chi_square) ||
+                            result.outliers > config_.max_outlier_share * result.tracked;
+      result.sighted = !result.contradicted && refinement.inliers >= config_.min_tracked;
+      if (result.sighted) local = refinement.state;
     }
     result.estimate.state = local.state;
     result.estimate.covariance =
         with_keyframe(local, newest.state, window_->covariance.topLeftCorner<6, 6>());
   }
-  result.wants_keyframe = wants_keyframe(frame, result.estimate.state.T_odom_body.R);
+  // Without images, or against them, the window has nothing to gain.
+  const bool useful = static_cast<int>(frame.observations.size()) >= config_.min_tracked;
+  result.wants_keyframe =
+      useful && !result.contradicted && wants_keyframe(frame, result.estimate.state.T_odom_body.R);
   return result;
 }
 
@@ -221,6 +232,8 @@ FrameEstimator::Config read_frame_estimator_config(ConfigReader section, const V
   config.huber_sigmas = section.positive("huber_sigmas");
   config.outlier_sigmas = section.positive("outlier_sigmas");
   config.min_tracked = section.integer("min_tracked", 3, 1000);
+  config.max_correction_chi_square = section.positive("max_correction_chi_square");
+  config.max_outlier_share = section.positive("max_outlier_share");
   config.keyframe_parallax_px = section.positive("keyframe_parallax_px");
   config.keyframe_tracked_share = section.positive("keyframe_tracked_share");
   config.min_keyframe_interval_s = section.positive("min_keyframe_interval_s");

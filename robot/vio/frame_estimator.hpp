@@ -19,8 +19,10 @@ class FrameEstimator {
     int iterations = 0;
     double huber_sigmas = 0.0;
     double outlier_sigmas = 0.0;
-    int min_tracked = 0;                  ///< observations of known landmarks for a refinement
-    double keyframe_parallax_px = 0.0;    ///< median, rotation taken out
+    int min_tracked = 0;  ///< observations of known landmarks for a refinement; any, for a keyframe
+    double max_correction_chi_square = 0.0;  ///< of the prediction's pose by vision, 6 degrees
+    double max_outlier_share = 0.0;          ///< of `min_tracked` or more known landmarks
+    double keyframe_parallax_px = 0.0;       ///< median, rotation taken out
     double keyframe_tracked_share = 0.0;  ///< of the last keyframe's landmarks; below: new keyframe
     double min_keyframe_interval_s = 0.0;
     double max_keyframe_interval_s = 0.0;
@@ -28,8 +30,13 @@ class FrameEstimator {
   struct Result {
     OdometryEstimate estimate;
     bool wants_keyframe = false;
-    int tracked = 0;   ///< observations of known landmarks
-    int outliers = 0;  ///< of these, given up by the refinement
+    int tracked = 0;       ///< observations of known landmarks
+    int outliers = 0;      ///< of these, given up by the refinement
+    bool sighted = false;  ///< vision refined the prediction; false: the estimate is inertial alone
+    /// Of what vision would correct; beyond the limit the images show something else than the
+    /// motion that the IMU felt, e.g. an image of long ago.
+    double correction_chi_square = 0.0;
+    bool contradicted = false;  ///< it was beyond the limit, or too many landmarks were outliers
   };
 
   FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config);

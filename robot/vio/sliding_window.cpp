@@ -233,6 +233,7 @@ SlidingWindow::SlidingWindow(const RectifiedStereo& stereo,
   state_->config = config;
   state_->noise = inflated(noise, config.noise);
   state_->graph.stereo = stereo;
+  state_->oldest_drift = initialization.drift;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     GraphKeyframe keyframe = graph_keyframe(keyframes[i], initialization.states[i]);
     if (i > 0) {

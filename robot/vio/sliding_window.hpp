@@ -27,6 +27,9 @@ struct Initialization {
   /// Body at the newest keyframe relative to the body at the first frame that the initializer was
   /// given; nothing where vision or IMU failed in between: that motion was not observed.
   std::optional<Pose> T_first_newest = std::nullopt;
+  /// Covariance of the oldest keyframe's yaw and position in odom: not zero where odom goes on from
+  /// an earlier window.
+  Eigen::Matrix4d drift = Eigen::Matrix4d::Zero();
 };
 
 /// Optimizes the states of the latest keyframes and their landmarks: reprojection (paper, eq. 1),

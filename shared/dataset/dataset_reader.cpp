@@ -86,7 +86,8 @@ void DatasetReader::read_calibration(const std::filesystem::path& mav0) {
 }
 
 void DatasetReader::select_frames(const Options& options) {
-  const Timestamp start = frames_.front().stamp + from_seconds(options.start_s);
+  recording_start_ = frames_.front().stamp;
+  const Timestamp start = recording_start_ + from_seconds(options.start_s);
   std::erase_if(frames_, [&](const StereoEntry& frame) {
     const bool late = options.duration_s && frame.stamp > start + from_seconds(*options.duration_s);
     return frame.stamp < start || late;

@@ -38,6 +38,9 @@ class DatasetReader {
   [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
   [[nodiscard]] const ImuNoise& imu_noise() const { return imu_noise_; }
 
+  /// The first image of the whole recording, whatever part of it is selected.
+  [[nodiscard]] Timestamp recording_start() const { return recording_start_; }
+
   /// Stereo frames of the selected part.
   [[nodiscard]] std::size_t frame_count() const { return frames_.size(); }
 
@@ -58,6 +61,7 @@ class DatasetReader {
   ImuNoise imu_noise_;
   Duration frame_interval_{};
   Duration imu_interval_{};
+  Timestamp recording_start_;
   std::vector<StereoEntry> frames_;
   std::size_t next_frame_ = 0;
   DelimitedFile imu_file_;

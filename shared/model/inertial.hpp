@@ -14,12 +14,28 @@ struct ImuSample {
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    ///< [m/s^2], +g upwards at rest
 };
 
+/// What is assumed of the motion while IMU samples are missing. All zero: intervals of any length
+/// are taken for measured.
+struct ImuGapModel {
+  /// Across longer intervals the readings are interpolated, as if their true values walked at
+  /// random from one end.
+  double bridged_from_s = 0.0;
+  double angular_acceleration = 0.0;  ///< of that walk [rad/s^2/sqrt(Hz)]
+  double jerk = 0.0;                  ///< of that walk [m/s^3/sqrt(Hz)]
+  /// Still longer ones tell nothing of the motion, nor does what follows: a pose is held, and
+  /// becomes uncertain as a robot of unknown constant velocity moves on (one sigma each axis).
+  double void_from_s = 0.0;
+  double speed_sigma = 0.0;      ///< [m/s]
+  double turn_rate_sigma = 0.0;  ///< [rad/s]
+};
+
 /// Continuous-time noise of an IMU, as in EuRoC's sensor.yaml.
 struct ImuNoise {
   double gyroscope_noise_density = 0.0;      ///< [rad/s/sqrt(Hz)]
   double gyroscope_random_walk = 0.0;        ///< [rad/s^2/sqrt(Hz)]
   double accelerometer_noise_density = 0.0;  ///< [m/s^2/sqrt(Hz)]
   double accelerometer_random_walk = 0.0;    ///< [m/s^3/sqrt(Hz)]
+  ImuGapModel gaps = {};
 };
 
 struct ImuBias {

@@ -57,7 +57,8 @@ std::string diagnostics_line(const FrameRecord& frame) {
   line += "," + std::to_string(frame.uplink_bytes) + "," + std::to_string(frame.downlink_bytes);
   append(line, ",%.4f", frame.loss);
   append(line, ",%.6f", frame.round_trip ? to_seconds(*frame.round_trip) : kNaN);
-  return line + "," + std::to_string(frame.tracks) + "," + (frame.keyframe ? "1" : "0") + "\n";
+  line += "," + std::to_string(frame.tracks) + "," + (frame.keyframe ? "1" : "0");
+  return line + "," + std::to_string(frame.resets) + "\n";
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ RunFolder::RunFolder(const std::filesystem::path& folder) : folder_(folder) {
   answers_ = opened(folder / "answers.csv");
   diagnostics_ << "stamp_s,state,since_last_answer_s" << triangle_header("cm")
                << triangle_header("co")
-               << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe\n";
+               << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets\n";
   answers_ << "stamp_s,arrival_s,localizer,status,reason,applied\n";
 }
 

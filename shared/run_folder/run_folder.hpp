@@ -34,6 +34,7 @@ struct FrameRecord {
   std::optional<Duration> round_trip;
   int tracks = 0;
   bool keyframe = false;
+  std::uint64_t resets = 0;  ///< of the odometry so far
 };
 
 /// One line of answers.csv.

@@ -1,5 +1,6 @@
 #include "robot/fusion/imu_prediction.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -114,6 +115,36 @@ TEST(ImuPrediction, KeepsThePoseOfTheStartOutOfWhatAroseSince) {
   const ImuPrediction end = predict(start, samples, euroc_imu_noise());
   EXPECT_GT(pose_covariance(end)(3, 3), 1.0);
   EXPECT_NEAR(pose_covariance_since_start(end)(3, 3), 0.01 * 1e-4, 1e-7);  // velocity: (0.1 s)^2
+}
+
+TEST(ImuPrediction, HoldsThePoseAfterAGapThatTellsNothing) {
+  ImuNoise noise = euroc_imu_noise();
+  noise.gaps = {.bridged_from_s = 0.03,
+                .angular_acceleration = 0.3,
+                .jerk = 4.0,
+                .void_from_s = 0.5,
+                .speed_sigma = 1.0,
+                .turn_rate_sigma = 0.5};
+  const CircularDrive drive;
+  std::vector<ImuSample> samples;
+  for (const double t : {0.0, 0.01, 0.02, 2.02, 2.03, 4.02}) samples.push_back(drive.imu(t));
+  const ImuPrediction end = predict(odometry(0.0, drive.state(0.0)), samples, noise);
+  EXPECT_EQ(end.held_since, at(0.02));
+  EXPECT_EQ(end.stamp, at(4.02));
+  EXPECT_LT((end.state.T_odom_body.p - drive.pose(0.02).p).norm(), 1e-3);
+  EXPECT_EQ(end.state.v_odom, Eigen::Vector3d::Zero());
+  // As after 4 s of a constant velocity that is not known.
+  const Matrix6d covariance = pose_covariance(end);
+  EXPECT_NEAR(std::sqrt(covariance(4, 4)), 4.0, 0.05);
+  EXPECT_NEAR(std::sqrt(covariance(2, 2)), 2.0, 0.02);
+
+  samples = {drive.imu(0.0), drive.imu(0.01), drive.imu(0.21)};
+  const ImuPrediction bridged = predict(odometry(0.0, drive.state(0.0)), samples, noise);
+  EXPECT_FALSE(bridged.held_since.has_value());
+  EXPECT_LT((bridged.state.T_odom_body.p - drive.pose(0.21).p).norm(), 1e-2);
+  // The force's mean over the gap is uncertain by q sqrt(dt / 3).
+  const double velocity_sigma = std::sqrt(bridged.noise(6, 6));
+  EXPECT_NEAR(velocity_sigma, 0.2 * 4.0 * std::sqrt(0.2 / 3.0), 0.02);
 }
 
 }  // namespace

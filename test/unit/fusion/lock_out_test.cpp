@@ -174,7 +174,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
   EXPECT_TRUE(dead_reckoned);
   EXPECT_EQ(quality(), Quality::kLost);
 
-  fed_.fusion.reset(SessionNumber{1});
+  fed_.fusion.reset(SessionNumber{1}, std::nullopt);
   fed_.drive_to(183.0);
   EXPECT_EQ(other_map(183.0, SessionNumber{1}).reason, "applied");
   EXPECT_EQ(quality(), Quality::kLocalized);

@@ -1,5 +1,7 @@
 #include "robot/inertial/imu_buffer.hpp"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 
 namespace fleetloc {
@@ -42,6 +44,24 @@ TEST(ImuBuffer, RefusesDoubledAndDisorderedStamps) {
   EXPECT_FALSE(buffer.add(sample_at(12ms)));
   EXPECT_TRUE(buffer.add(sample_at(31ms)));
   EXPECT_EQ(buffer.between(at(10ms), at(31ms)).size(), 5U);
+}
+
+TEST(ImuBuffer, RefusesWhatIsNotFinite) {
+  ImuBuffer buffer = filled();
+  ImuSample broken = sample_at(31ms);
+  broken.angular_velocity.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(buffer.add(broken));
+  broken = sample_at(31ms);
+  broken.specific_force.z() = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(buffer.add(broken));
+  EXPECT_FALSE(buffer.covers(at(31ms)));
+}
+
+TEST(ImuBuffer, KnowsWhatItWillNeverCover) {
+  EXPECT_FALSE(ImuBuffer().begins_after(at(0ms)));
+  EXPECT_TRUE(filled().begins_after(at(9ms)));
+  EXPECT_FALSE(filled().begins_after(at(10ms)));
+  EXPECT_FALSE(filled().begins_after(at(40ms)));
 }
 
 TEST(ImuBuffer, InterpolatesBothEnds) {

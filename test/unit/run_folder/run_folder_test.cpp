@@ -25,7 +25,7 @@ constexpr const char* kDiagnosticsHeader =
     "cm55,cm56,cm66,"
     "co11,co12,co13,co14,co15,co16,co22,co23,co24,co25,co26,co33,co34,co35,co36,co44,co45,co46,"
     "co55,co56,co66,"
-    "uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe";
+    "uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets";
 
 TEST_F(RunFolderTest, MakesTheFolderAndNamesTheColumns) {
   RunFolder(folder_ / "deep" / "run").finish({});
@@ -47,6 +47,7 @@ TEST_F(RunFolderTest, WritesAsManyFieldsAsColumns) {
   record.round_trip = lasting(0.25);
   record.tracks = 150;
   record.keyframe = true;
+  record.resets = 2;
   run.add_frame(record);
   run.finish({});
 
@@ -58,8 +59,8 @@ TEST_F(RunFolderTest, WritesAsManyFieldsAsColumns) {
   EXPECT_EQ(std::stod(fields[3]), 1.0);              // cm11
   EXPECT_EQ(std::stod(fields[8]), 0.25);             // cm16
   EXPECT_EQ(std::stod(fields[3 + kTriangle]), 4.0);  // co11
-  const std::vector<std::string> last(fields.end() - 6, fields.end());
-  EXPECT_THAT(last, ElementsAre("1000", "200", "0.1250", "0.250000", "150", "1"));
+  const std::vector<std::string> last(fields.end() - 7, fields.end());
+  EXPECT_THAT(last, ElementsAre("1000", "200", "0.1250", "0.250000", "150", "1", "2"));
 }
 
 TEST_F(RunFolderTest, WritesNoNumberForWhatIsNotKnownYet) {
@@ -70,7 +71,7 @@ TEST_F(RunFolderTest, WritesNoNumberForWhatIsNotKnownYet) {
   const std::vector<std::string> covariances(fields.begin() + 3,
                                              fields.begin() + 3 + 2 * kTriangle);
   EXPECT_THAT(covariances, Each("nan"));
-  EXPECT_EQ(fields[fields.size() - 3], "nan");  // round_trip_s
+  EXPECT_EQ(fields[fields.size() - 4], "nan");  // round_trip_s
 }
 
 TEST_F(RunFolderTest, WritesOdometryFromTheFirstPoseOn) {

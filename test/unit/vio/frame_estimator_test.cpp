@@ -1,5 +1,8 @@
 #include "robot/vio/frame_estimator.hpp"
 
+#include <cmath>
+#include <cstdint>
+
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
@@ -93,9 +96,46 @@ TEST_F(FrameEstimatorTest, WantsAKeyframeWhenTimeOrTracksRunOut) {
   estimator.keyframe_made(run_.frame(wanted), again->estimate.state);
   // That frame is what the next ones are compared with, though the window does not have it yet.
   EXPECT_FALSE(estimator.estimate(run_.frame(wanted + 1), imu_)->wants_keyframe);
-  const auto lost = estimator.estimate({run_.frame_stamp(wanted + 4), {}}, imu_);
-  ASSERT_TRUE(lost.has_value());
-  EXPECT_TRUE(lost->wants_keyframe);
+  TrackedFrame renamed = run_.frame(wanted + 4);  // every track was lost, and others were found
+  for (StereoObservation& seen : renamed.observations) {
+    seen.landmark = LandmarkId{static_cast<std::uint32_t>(seen.landmark) + 1'000'000};
+  }
+  EXPECT_TRUE(estimator.estimate(renamed, imu_)->wants_keyframe);
+}
+
+TEST_F(FrameEstimatorTest, CarriesOnInertiallyWithoutImagesAndMakesThemNoKeyframes) {
+  FrameEstimator estimator(run_.stereo(), run_.noise(), config_.frame_estimator);
+  estimator.update(window_);
+  const int frame = kNewest + 20;
+  const auto blind = estimator.estimate({run_.frame_stamp(frame), {}}, imu_);
+  ASSERT_TRUE(blind.has_value());
+  EXPECT_FALSE(blind->sighted);
+  EXPECT_FALSE(blind->contradicted);
+  EXPECT_FALSE(blind->wants_keyframe);
+  const Eigen::Vector3d error =
+      blind->estimate.state.T_odom_body.p - run_.truth(run_.frame_stamp(frame)).T_odom_body.p;
+  EXPECT_LT(error.norm(),
+            3.0 * std::sqrt(blind->estimate.covariance.diagonal().segment<3>(3).sum()));
+}
+
+TEST_F(FrameEstimatorTest, TrustsNoImageOfLongAgo) {
+  FrameEstimator estimator(run_.stereo(), run_.noise(), config_.frame_estimator);
+  estimator.update(window_);
+  const int frame = kNewest + 6;
+  TrackedFrame frozen = run_.frame(kNewest + 1);
+  frozen.stamp = run_.frame_stamp(frame);
+  const auto result = estimator.estimate(frozen, imu_);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_TRUE(result->contradicted);
+  EXPECT_FALSE(result->sighted);
+  EXPECT_FALSE(result->wants_keyframe);
+  EXPECT_LT(
+      (result->estimate.state.T_odom_body.p - run_.truth(run_.frame_stamp(frame)).T_odom_body.p)
+          .norm(),
+      0.05);
+  const auto honest = estimator.estimate(run_.frame(frame), imu_);
+  EXPECT_TRUE(honest->sighted);
+  EXPECT_LT(honest->correction_chi_square, 25.0);
 }
 
 }  // namespace

@@ -1,0 +1,45 @@
+#include "robot/pipeline/continuation.hpp"
+
+#include <cmath>
+
+#include "robot/vio/gauge_factor.hpp"
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+// The turn about z that brings `from` as close to `to` as such a turn can.
+Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  const Eigen::Matrix3d R = (to * from.conjugate()).toRotationMatrix();
+  return exp_so3({0.0, 0.0, std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
+}
+
+}  // namespace
+
+void continue_from(const PoseEstimate& dead_reckoned, Initialization& initialization) {
+  const Pose& T_odom_body = dead_reckoned.T_odom_body;
+  const Pose T_new_body = initialization.states.front().T_odom_body;
+  Pose T_odom_new;
+  T_odom_new.R = yaw_between(T_new_body.R, T_odom_body.R);
+  T_odom_new.p = T_odom_body.p - T_odom_new.R * T_new_body.p;
+  for (NavState& state : initialization.states) {
+    state.T_odom_body = T_odom_new * state.T_odom_body;
+    state.v_odom = T_odom_new.R * state.v_odom;
+  }
+  const auto A = yaw_and_position_jacobian(T_odom_body);
+  initialization.drift = A * dead_reckoned.covariance_odom * A.transpose();
+}
+
+StartPose continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body) {
+  const Matrix6d A = adjoint(T_odom_body);
+  return {.T_map_odom = *dead_reckoned.T_map_body * inverse(T_odom_body),
+          .covariance = A * dead_reckoned.covariance_map * A.transpose()};
+}
+
+StartPose continued_start(const StartPose& start, const PoseEstimate& dead_reckoned) {
+  const Matrix6d A = adjoint(dead_reckoned.T_odom_body);
+  return {.T_map_odom = start.T_map_odom,
+          .covariance = start.covariance + A * dead_reckoned.covariance_odom * A.transpose()};
+}
+
+}  // namespace fleetloc

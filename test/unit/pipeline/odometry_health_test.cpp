@@ -1,0 +1,98 @@
+#include "robot/pipeline/odometry_health.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr OdometryHealth::Config kConfig{.max_blind_s = 3.0,
+                                         .max_velocity_sigma = 0.5,
+                                         .max_speed = 20.0,
+                                         .max_gyroscope_bias = 0.3,
+                                         .max_accelerometer_bias = 1.5};
+
+Timestamp at(double seconds) {
+  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+}
+
+WindowEstimate healthy_window() {
+  WindowEstimate window;
+  window.keyframes.resize(1);
+  window.keyframes.back().stamp = at(1.0);
+  window.diagnostics.converged = true;
+  return window;
+}
+
+FrameEstimator::Result frame(double seconds, bool sighted) {
+  FrameEstimator::Result result;
+  result.estimate.stamp = at(seconds);
+  result.estimate.covariance.setIdentity();
+  result.estimate.covariance *= 1e-4;
+  result.sighted = sighted;
+  return result;
+}
+
+TEST(OdometryHealth, FindsNothingWrongWithAHealthyOdometry) {
+  OdometryHealth health(kConfig);
+  EXPECT_EQ(health.check(healthy_window()), std::nullopt);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(health.check(frame(1.0 + 0.1 * i, true)), std::nullopt);
+}
+
+TEST(OdometryHealth, BridgesBlindFramesForALimitedTime) {
+  OdometryHealth health(kConfig);
+  health.check(healthy_window());
+  EXPECT_EQ(health.check(frame(3.9, false)), std::nullopt);
+  EXPECT_EQ(health.check(frame(4.1, false)), ResetCause::kBlind);
+  health.reset();  // and starts again
+  EXPECT_EQ(health.check(healthy_window()), std::nullopt);
+  EXPECT_EQ(health.check(frame(3.9, true)), std::nullopt);
+  EXPECT_EQ(health.check(frame(6.8, false)), std::nullopt);
+  EXPECT_EQ(health.check(frame(7.0, false)), ResetCause::kBlind);
+}
+
+TEST(OdometryHealth, DistrustsAWindowThatDidNotConvergeOrHasImplausibleBiases) {
+  OdometryHealth health(kConfig);
+  WindowEstimate window = healthy_window();
+  window.diagnostics.converged = false;
+  EXPECT_EQ(health.check(window), ResetCause::kDiverged);
+  window = healthy_window();
+  window.keyframes.back().state.bias.gyroscope.x() = 0.4;
+  EXPECT_EQ(health.check(window), ResetCause::kImplausibleBias);
+  window = healthy_window();
+  window.keyframes.back().state.bias.accelerometer.z() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(health.check(window), ResetCause::kImplausibleBias);
+  window = healthy_window();
+  window.keyframes.back().state.v_odom.x() = 30.0;
+  EXPECT_EQ(health.check(window), ResetCause::kDiverged);
+}
+
+TEST(OdometryHealth, DoesNotMindThatTheYawInOdomIsHardlyKnown) {
+  OdometryHealth health(kConfig);
+  health.check(healthy_window());
+  FrameEstimator::Result drifted = frame(1.1, true);
+  drifted.estimate.state.v_odom = {3.0, -1.0, 0.5};
+  drifted.estimate.state.T_odom_body.R = exp_so3({0.3, -0.5, 1.0});
+  Eigen::Matrix<double, 9, 1> yaw = Eigen::Matrix<double, 9, 1>::Zero();  // turns pose and velocity
+  yaw.head<3>() = drifted.estimate.state.T_odom_body.R.conjugate() * Eigen::Vector3d::UnitZ();
+  yaw.tail<3>() = Eigen::Vector3d::UnitZ().cross(drifted.estimate.state.v_odom);
+  drifted.estimate.covariance.topLeftCorner<9, 9>() += yaw * yaw.transpose();
+  ASSERT_GT(drifted.estimate.covariance(7, 7), 1.0);
+  EXPECT_EQ(health.check(drifted), std::nullopt);
+}
+
+TEST(OdometryHealth, DistrustsAVelocityThatIsHardlyKnown) {
+  OdometryHealth health(kConfig);
+  health.check(healthy_window());
+  FrameEstimator::Result uncertain = frame(1.1, true);
+  uncertain.estimate.covariance(7, 7) = 0.3;
+  EXPECT_EQ(health.check(uncertain), ResetCause::kUncertain);
+  uncertain.estimate.covariance(7, 7) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(health.check(uncertain), ResetCause::kUncertain);
+}
+
+}  // namespace
+}  // namespace fleetloc

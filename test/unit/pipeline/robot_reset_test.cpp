@@ -1,0 +1,310 @@
+// What a robot does with bad input: on simulated tracks, with a localizer that knows the truth.
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/config/default_config.hpp"
+#include "shared/simulation/simulated_run.hpp"
+
+namespace fleetloc {
+namespace {
+
+/// Answers each submap at once, 2 cm and 0.2 degrees (one sigma) uncertain but without error.
+class TruthfulLocalizer final : public MapLocalizer {
+ public:
+  explicit TruthfulLocalizer(const SimulatedRun& run) : run_(run) {}
+
+  void start_session(const RobotSession& session, Timestamp /*now*/) override {
+    sessions.push_back(session);
+    submaps_of_session.push_back(0);
+    first_keyframes.emplace_back();
+  }
+  void submit(Submap submap, Timestamp /*now*/) override {
+    const auto& newest = submap.keyframes.back();
+    if (submaps_of_session.back()++ == 0) first_keyframes.back() = submap.keyframes.front().id;
+    if (!answering) return;
+    Answer answer;
+    answer.robot = sessions.back().robot;
+    answer.session = sessions.back().session;
+    answer.localizer = "truthful";
+    answer.keyframe = newest.id;
+    answer.status = LocalizationStatus::kLocalized;
+    answer.stamp = newest.stamp;
+    answer.T_map_body = run_.truth(newest.stamp).T_odom_body;
+    answer.covariance.diagonal() << 1e-5, 1e-5, 1e-5, 4e-4, 4e-4, 4e-4;
+    answers_.push_back(answer);
+  }
+  [[nodiscard]] std::vector<Answer> take_answers(Timestamp /*now*/) override {
+    return std::exchange(answers_, {});
+  }
+  [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  void update_start(const StartPose& start) override { updated_start = start; }
+
+  bool answering = true;
+  std::vector<RobotSession> sessions;
+  std::vector<int> submaps_of_session;
+  std::vector<KeyframeId> first_keyframes;
+  std::optional<StartPose> updated_start;
+
+ private:
+  const SimulatedRun& run_;
+  std::vector<Answer> answers_;
+};
+
+ConfigReader defaults() {
+  return ConfigReader::from_string(std::string(default_config("robot")), "defaults");
+}
+
+StereoCalibration ideal_cameras(const RectifiedStereo& stereo) {
+  Camera camera{.width_px = 752,
+                .height_px = 480,
+                .focal_px = {stereo.focal_px, stereo.focal_px},
+                .center_px = {376.0, 240.0}};
+  StereoCalibration calibration{.cam0 = camera,
+                                .cam1 = camera,
+                                .T_body_cam0 = stereo.T_body_cam0,
+                                .T_body_cam1 = stereo.T_body_cam0};
+  calibration.T_body_cam1 =
+      stereo.T_body_cam0 * Pose{Eigen::Quaterniond::Identity(), {stereo.baseline_m, 0.0, 0.0}};
+  return calibration;
+}
+
+SimulatedRun::Config flight() {
+  SimulatedRun::Config config;
+  config.imu_white_noise = true;
+  config.imu_bias_walk = true;
+  config.initial_bias = {{0.01, -0.02, 0.03}, {0.05, -0.03, 0.02}};
+  config.pixel_sigma = 0.3;
+  config.rest_s = 1.0;
+  return config;
+}
+
+double second_of(Timestamp stamp) {
+  return to_seconds(stamp - Timestamp{});
+}
+
+class RobotReset : public testing::Test {
+ protected:
+  explicit RobotReset(Duration back_end_time = std::chrono::milliseconds(50))
+      : back_end_(KeyframeWorker(
+                      run_.stereo(), run_.noise(), read_keyframe_worker_config(defaults()), {}),
+                  back_end_time),
+        pipeline_({.id = "robot",
+                   .calibration = ideal_cameras(run_.stereo()),
+                   .imu_noise = run_.noise(),
+                   .session = SessionNumber{7},
+                   .T_map_body = run_.truth(run_.frame_stamp(0)).T_odom_body},
+                  read_robot_pipeline_config(defaults()),
+                  back_end_,
+                  &localizer_) {}
+
+  /// Plays everything up to `seconds`, IMU and frames as `spoil_imu` and `spoil` leave them.
+  void play(double seconds) {
+    const auto end =
+        Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+    for (const ImuSample& sample : run_.imu(played_, end)) {
+      if (const auto pose = pipeline_.add_imu(spoil_imu(sample))) pipeline_.poll(pose->stamp);
+      while (run_.frame_stamp(next_frame_) <= sample.stamp) {
+        TrackedFrame frame = run_.frame(next_frame_++);
+        spoil(frame);
+        pipeline_.add_tracks(std::move(frame));
+        ++handed_in_;
+      }
+      for (FrameOutput& frame : pipeline_.take_frames()) frames_.push_back(std::move(frame));
+      for (const AnswerOutput& answer : pipeline_.take_answers()) {
+        applied_ += answer.applied ? 1 : 0;
+      }
+    }
+    played_ = end + Duration(1);
+  }
+
+  /// Without IMU in [from, to).
+  void cut_imu(double from, double to) {
+    spoil_imu = [=](ImuSample sample) {
+      const double t = second_of(sample.stamp);
+      if (t >= from && t < to) {
+        sample.specific_force.setConstant(std::numeric_limits<double>::quiet_NaN());
+      }
+      return sample;
+    };
+  }
+
+  [[nodiscard]] double map_error(const FrameOutput& frame) const {
+    return (frame.pose.T_map_body->p - run_.truth(frame.stamp).T_odom_body.p).norm();
+  }
+  static double map_sigma(const FrameOutput& frame) {
+    return std::sqrt(frame.pose.covariance_map.bottomRightCorner<3, 3>().trace());
+  }
+  void expect_never_confidently_wrong() const {
+    for (const FrameOutput& frame : frames_) {
+      if (frame.pose.quality != Quality::kLocalized) continue;
+      const double error = map_error(frame);
+      EXPECT_FALSE(error > 0.5 && error > 3.0 * map_sigma(frame)) << second_of(frame.stamp);
+    }
+  }
+  [[nodiscard]] const FrameOutput& frame_at(double seconds) const {
+    return *std::ranges::find_if(
+        frames_, [&](const FrameOutput& frame) { return second_of(frame.stamp) >= seconds; });
+  }
+
+  std::function<ImuSample(ImuSample)> spoil_imu = [](const ImuSample& sample) { return sample; };
+  std::function<void(TrackedFrame&)> spoil = [](TrackedFrame&) {};
+  const SimulatedRun run_{flight()};
+  TruthfulLocalizer localizer_{run_};
+  SimulatedBackEnd back_end_;
+  RobotPipeline pipeline_;
+  Timestamp played_;
+  int next_frame_ = 0;
+  std::size_t handed_in_ = 0;
+  int applied_ = 0;
+  std::vector<FrameOutput> frames_;
+};
+
+TEST_F(RobotReset, IsNotNeededForTwoSecondsWithoutFeatures) {
+  spoil = [](TrackedFrame& frame) {
+    const double t = second_of(frame.stamp);
+    if (t > 6.0 && t < 8.0) frame.observations.clear();
+  };
+  play(12.0);
+  EXPECT_EQ(pipeline_.resets(), 0U);
+  EXPECT_EQ(pipeline_.faults().at("blind_frames"), 39U);
+  EXPECT_GT(map_sigma(frame_at(7.9)), 2.0 * map_sigma(frame_at(5.9)));
+  EXPECT_LT(map_error(frame_at(7.9)), 3.0 * map_sigma(frame_at(7.9)));
+  EXPECT_EQ(frames_.back().pose.quality, Quality::kLocalized);
+  EXPECT_LT(map_error(frames_.back()), 0.05);
+  expect_never_confidently_wrong();
+}
+
+TEST_F(RobotReset, IsNotNeededForAnImuGapThatCanBeBridged) {
+  cut_imu(6.0, 6.2);
+  play(10.0);
+  EXPECT_EQ(pipeline_.resets(), 0U);
+  EXPECT_EQ(pipeline_.faults().at("refused_imu_not_finite"), 40U);
+  EXPECT_LT(map_error(frames_.back()), 0.05);
+  expect_never_confidently_wrong();
+}
+
+TEST_F(RobotReset, FollowsALongImuGapWithANewSessionThatStartsFromWhereTheRobotIs) {
+  cut_imu(6.0, 7.0);
+  play(12.0);
+  EXPECT_EQ(pipeline_.resets(), 1U);
+  EXPECT_EQ(pipeline_.faults().at("reset_imu_gap"), 1U);
+  ASSERT_EQ(localizer_.sessions.size(), 2U);
+  const RobotSession& session = localizer_.sessions.back();
+  EXPECT_EQ(session.session, SessionNumber{8});
+  EXPECT_EQ(localizer_.first_keyframes.back(), KeyframeId{0});
+  // A second at unknown speed: the start says how little it knows.
+  ASSERT_TRUE(session.start.has_value());
+  EXPECT_GT((session.start->covariance.bottomRightCorner<3, 3>().trace()), 1.0);
+  for (const FrameOutput& frame : frames_) {
+    const double t = second_of(frame.stamp);
+    EXPECT_TRUE(t < 6.0 || t > 8.0 || frame.pose.quality != Quality::kLocalized) << t;
+    EXPECT_TRUE(t < 3.0 || !frame.refused.empty() || frame.pose.T_map_body.has_value()) << t;
+  }
+  EXPECT_LT(map_error(frame_at(7.9)), 3.0 * map_sigma(frame_at(7.9)));
+  EXPECT_EQ(frames_.back().pose.quality, Quality::kLocalized);
+  EXPECT_LT(map_error(frames_.back()), 0.05);
+  expect_never_confidently_wrong();
+}
+
+TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
+  spoil = [](TrackedFrame& frame) {
+    const double t = second_of(frame.stamp);
+    if (t > 6.0 && t < 11.0) frame.observations.clear();
+  };
+  play(16.0);
+  EXPECT_EQ(pipeline_.resets(), 1U);
+  EXPECT_EQ(pipeline_.faults().at("reset_blind"), 1U);
+  EXPECT_EQ(frame_at(10.5).pose.quality, Quality::kLost);
+  EXPECT_LT(map_error(frame_at(10.5)), 3.0 * map_sigma(frame_at(10.5)));
+  EXPECT_EQ(frames_.back().pose.quality, Quality::kLocalized);
+  EXPECT_LT(map_error(frames_.back()), 0.05);
+  // odom goes on: no jump beyond what dead reckoning was off.
+  double largest_step = 0.0;
+  for (std::size_t i = 1; i < frames_.size(); ++i) {
+    if (frames_[i - 1].pose.quality == Quality::kInitializing) continue;
+    const auto& [before, after] = std::pair(frames_[i - 1].pose, frames_[i].pose);
+    largest_step = std::max(largest_step, (after.T_odom_body.p - before.T_odom_body.p).norm());
+  }
+  EXPECT_LT(largest_step, 0.5);
+  expect_never_confidently_wrong();
+}
+
+TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
+  localizer_.answering = false;
+  cut_imu(6.0, 7.0);
+  play(10.0);
+  ASSERT_EQ(localizer_.sessions.size(), 2U);
+  const auto& before = localizer_.sessions.front().start;
+  const auto& after = localizer_.sessions.back().start;
+  ASSERT_TRUE(before.has_value() && after.has_value());
+  EXPECT_LT(local_coordinates(before->T_map_odom, after->T_map_odom).norm(), 1e-9);
+  EXPECT_GT(after->covariance.trace(), before->covariance.trace() + 1.0);
+}
+
+TEST_F(RobotReset, HasImagesThatShowAnotherMotionThanTheImuFeelsLeftOut) {
+  TrackedFrame frozen;
+  spoil = [&frozen](TrackedFrame& frame) {
+    const double t = second_of(frame.stamp);
+    if (t < 6.0) frozen = frame;
+    if (t >= 6.0 && t < 8.0) frame.observations = frozen.observations;
+  };
+  play(12.0);
+  EXPECT_GT(pipeline_.faults().at("contradicted_frames"), 30U);
+  EXPECT_LT(map_error(frames_.back()), 0.1);
+  expect_never_confidently_wrong();
+}
+
+TEST_F(RobotReset, GivesOneOutputForEveryFrameHandedIn) {
+  int count = 0;
+  spoil = [&count, this](TrackedFrame& frame) {
+    if (++count % 7 == 0) frame.stamp = run_.frame_stamp(next_frame_ - 2);  // doubled
+    if (count % 11 == 0) frame.stamp -= std::chrono::seconds(1);
+    if (count % 13 == 0) frame.stamp += std::chrono::hours(1);
+  };
+  cut_imu(6.0, 7.0);
+  play(9.0);
+  EXPECT_EQ(frames_.size(), handed_in_);
+  const auto refused = std::ranges::count_if(
+      frames_, [](const FrameOutput& frame) { return !frame.refused.empty(); });
+  const auto faults = pipeline_.faults();
+  EXPECT_EQ(static_cast<std::uint64_t>(refused),
+            faults.at("refused_frame_not_newer") + faults.at("refused_frame_ahead_of_imu"));
+  EXPECT_GT(faults.at("refused_frame_not_newer"), 20U);
+}
+
+TEST_F(RobotReset, TellsTheLocalizerWhereTheSessionStartsAsAnswersCome) {
+  play(6.0);
+  ASSERT_GT(applied_, 0);
+  ASSERT_TRUE(localizer_.updated_start.has_value());
+  const Pose T_map_body = localizer_.updated_start->T_map_odom * frames_.back().pose.T_odom_body;
+  const Pose truth = run_.truth(frames_.back().stamp).T_odom_body;
+  EXPECT_LT((T_map_body.p - truth.p).norm(), 0.05);
+}
+
+class SlowRobotReset : public RobotReset {
+ protected:
+  SlowRobotReset() : RobotReset(std::chrono::milliseconds(400)) {}
+};
+
+TEST_F(SlowRobotReset, DropsTheResultThatBelongsToTheSessionBefore) {
+  cut_imu(6.0, 6.7);  // with jobs of 0.4 s one is always on its way
+  play(12.0);
+  EXPECT_EQ(pipeline_.resets(), 1U);
+  ASSERT_EQ(localizer_.sessions.size(), 2U);
+  EXPECT_EQ(localizer_.first_keyframes.back(), KeyframeId{0});
+  EXPECT_EQ(static_cast<std::uint64_t>(localizer_.submaps_of_session[0] +
+                                       localizer_.submaps_of_session[1]),
+            pipeline_.submaps_built());
+  EXPECT_GT(pipeline_.back_end_cpu().size(), pipeline_.submaps_built());  // one was dropped
+  EXPECT_LT(map_error(frames_.back()), 0.1);
+}
+
+}  // namespace
+}  // namespace fleetloc
