@@ -30,6 +30,9 @@ struct StartUncertainty {
   double position_sigma_m;
   double yaw_sigma_rad;
   double tilt_sigma_rad;  ///< of roll and pitch
+  /// After a reset a less certain start is withheld from the localizer, which would settle in a
+  /// wrong place near by and be sure of it.
+  double max_carried_sigma_m;
 };
 
 /// A robot as it stands at the start of its program.
@@ -133,6 +136,7 @@ class RobotPipeline {
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
   [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] bool is_usable(const StartPose& start) const;
 
   RobotSetup setup_;
   Config config_;
@@ -175,7 +179,8 @@ class RobotPipeline {
                                                   {"missing_images", 0},
                                                   {"wrong_images", 0},
                                                   {"blind_frames", 0},
-                                                  {"contradicted_frames", 0}};
+                                                  {"contradicted_frames", 0},
+                                                  {"withheld_starts", 0}};
   Duration fusion_cpu_{};
 };
 
