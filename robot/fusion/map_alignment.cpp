@@ -90,6 +90,7 @@ MapAlignment MapAlignment::continued(const StartPose& pose) const {
     result.last_applied_ = last_applied_;
     result.T_map_odom_ = pose.T_map_odom;
     result.P_.topLeftCorner<6, 6>() = pose.covariance;
+    result.rivals_ = rivals_.without_rivals();
     result.continued_ = true;
   }
   return result;

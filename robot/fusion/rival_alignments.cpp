@@ -82,6 +82,12 @@ bool RivalAlignments::add(const AnswerMeasurement& rejected) {
   return chosen.evidence.independent() >= std::min(config_.restart_after, held_.independent() + 1);
 }
 
+RivalAlignments RivalAlignments::without_rivals() const {
+  RivalAlignments result(config_);
+  result.held_ = held_;
+  return result;
+}
+
 bool RivalAlignments::contradict() const {
   return std::any_of(
       rivals_.begin(), rivals_.end(), [this](const Rival& rival) { return contradicts(rival); });

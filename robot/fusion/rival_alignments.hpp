@@ -53,6 +53,9 @@ class RivalAlignments {
   /// Takes a rejected answer. True: what it says is to replace what is held.
   bool add(const AnswerMeasurement& rejected);
 
+  /// For a held alignment that goes on in another odometry: it rests on what it did.
+  [[nodiscard]] RivalAlignments without_rivals() const;
+
   [[nodiscard]] bool contradict() const;
 
   /// With a covariance that reaches to the alignments that contradict it.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "robot/inertial/preintegration.hpp"
 #include "robot/pipeline/continuation.hpp"
 
@@ -271,8 +273,21 @@ void RobotPipeline::start_session(Timestamp now) {
   } else if (setup_.T_map_body) {
     start_ = start_pose(*setup_.T_map_body);
   }
-  session.start = start_;
+  if (start_ && is_usable(*start_)) {
+    session.start = start_;
+  } else if (start_) {
+    ++faults_["withheld_starts"];
+  }
   localizer_->start_session(session, now);
+}
+
+bool RobotPipeline::is_usable(const StartPose& start) const {
+  if (resets_ == 0 && initialization_->T_first_newest) return true;  // as a person gave it
+  const Matrix6d A = adjoint(inverse(window_->keyframes.back().state.T_odom_body));
+  const Matrix6d covariance = A * start.covariance * A.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance.bottomRightCorner<3, 3>(),
+                                                              Eigen::EigenvaluesOnly);
+  return std::sqrt(solver.eigenvalues().maxCoeff()) <= config_.start.max_carried_sigma_m;
 }
 
 // A person's start pose holds at the first image. Where the motion since then was not seen, only

@@ -132,6 +132,7 @@ class RobotPipeline {
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
   [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] bool is_usable(const StartPose& start) const;
 
   RobotSetup setup_;
   Config config_;
@@ -176,7 +177,8 @@ class RobotPipeline {
                                                   {"missing_images", 0},
                                                   {"wrong_images", 0},
                                                   {"blind_frames", 0},
-                                                  {"contradicted_frames", 0}};
+                                                  {"contradicted_frames", 0},
+                                                  {"withheld_starts", 0}};
   Duration fusion_cpu_{};
 };
 

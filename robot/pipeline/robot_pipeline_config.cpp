@@ -15,7 +15,8 @@ RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
           .fusion = read_pose_fusion_config(config.section("fusion")),
           .start = {.position_sigma_m = start.positive("position_sigma_m"),
                     .yaw_sigma_rad = start.positive("yaw_sigma_deg") * kRadPerDeg,
-                    .tilt_sigma_rad = start.positive("tilt_sigma_deg") * kRadPerDeg}};
+                    .tilt_sigma_rad = start.positive("tilt_sigma_deg") * kRadPerDeg,
+                    .max_carried_sigma_m = start.positive("max_carried_sigma_m")}};
 }
 
 KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {

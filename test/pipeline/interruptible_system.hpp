@@ -79,7 +79,7 @@ class InterruptibleSystem {
     const auto end =
         Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
     for (const ImuSample& sample : run_.imu(played_, end)) {
-      const PoseEstimate pose = pipeline_.add_imu(sample);
+      const PoseEstimate pose = pipeline_.add_imu(sample).value();
       client_.set_quality(pose.quality);
       for (auto& [name, localizer] : localizers_) advance(name, localizer, sample.stamp);
       pipeline_.poll(sample.stamp);

@@ -140,6 +140,18 @@ class Faults : public testing::TestWithParam<FaultCase> {
   static inline std::filesystem::path map_;
 };
 
+// Fails if any of them is confidently wrong.
+double worst_while_localized(const std::vector<CheckedFrame>& frames) {
+  double worst = 0.0;
+  for (const CheckedFrame& frame : frames) {
+    if (frame.state != "localized") continue;
+    worst = std::max(worst, frame.error_m);
+    EXPECT_FALSE(frame.error_m > 0.5 && frame.sigmas > 3.0)
+        << frame.error_m << " m, " << frame.sigmas << " sigmas";
+  }
+  return worst;
+}
+
 TEST_P(Faults, AreSurvivedCountedAndNeverMakeAPoseConfidentlyWrong) {
   const auto folder = replay(GetParam());
   const auto summary = parsed_json(folder / "summary.json");
@@ -151,13 +163,7 @@ TEST_P(Faults, AreSurvivedCountedAndNeverMakeAPoseConfidentlyWrong) {
 
   const auto frames = checked_frames(folder, vicon_room());
   ASSERT_FALSE(frames.empty());
-  double worst = 0.0;
-  for (const CheckedFrame& frame : frames) {
-    if (frame.state != "localized") continue;
-    worst = std::max(worst, frame.error_m);
-    EXPECT_FALSE(frame.error_m > 0.5 && frame.sigmas > 3.0)
-        << frame.error_m << " m, " << frame.sigmas << " sigmas";
-  }
+  const double worst = worst_while_localized(frames);
   EXPECT_EQ(frames.back().state, "localized");
   EXPECT_THAT(frames.back().error_m, Le(0.1));
   const auto errors = run_errors(folder, vicon_room());
@@ -168,9 +174,27 @@ TEST_P(Faults, AreSurvivedCountedAndNeverMakeAPoseConfidentlyWrong) {
   EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(0.07));  // 0.035 without faults
 }
 
+class LongFaults : public Faults {};
+
+TEST_P(LongFaults, ResetTheOdometryAndNeverMakeAPoseConfidentlyWrong) {
+  const auto folder = replay(GetParam());
+  EXPECT_EQ(parsed_json(folder / "summary.json").at("resets"), 1);
+  const auto frames = checked_frames(folder, vicon_room());
+  ASSERT_FALSE(frames.empty());
+  worst_while_localized(frames);
+}
+
 INSTANTIATE_TEST_SUITE_P(Replay, Faults, testing::ValuesIn(cases()), [](const auto& one) {
   return std::string(one.param.name);
 });
+
+// Where the localizer, started from what is left of the pose, would settle a metre off.
+INSTANTIATE_TEST_SUITE_P(
+    Replay,
+    LongFaults,
+    testing::Values(FaultCase{"ImuGap", {"kind: imu_gap, start_s: 6, duration_s: 1"}},
+                    FaultCase{"Darkness", {"kind: black_images, start_s: 6, duration_s: 5"}}),
+    [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace fleetloc

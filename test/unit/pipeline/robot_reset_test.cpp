@@ -199,9 +199,9 @@ TEST_F(RobotReset, FollowsALongImuGapWithANewSessionThatStartsFromWhereTheRobotI
   const RobotSession& session = localizer_.sessions.back();
   EXPECT_EQ(session.session, SessionNumber{8});
   EXPECT_EQ(localizer_.first_keyframes.back(), KeyframeId{0});
-  // A second at unknown speed: the start says how little it knows.
-  ASSERT_TRUE(session.start.has_value());
-  EXPECT_GT((session.start->covariance.bottomRightCorner<3, 3>().trace()), 1.0);
+  // A second at unknown speed: a search from there would end anywhere.
+  EXPECT_FALSE(session.start.has_value());
+  EXPECT_EQ(pipeline_.faults().at("withheld_starts"), 1U);
   for (const FrameOutput& frame : frames_) {
     const double t = second_of(frame.stamp);
     EXPECT_TRUE(t < 6.0 || t > 8.0 || frame.pose.quality != Quality::kLocalized) << t;
@@ -238,14 +238,17 @@ TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
 
 TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
   localizer_.answering = false;
-  cut_imu(6.0, 7.0);
-  play(10.0);
+  spoil = [](TrackedFrame& frame) {
+    const double t = second_of(frame.stamp);
+    if (t > 6.0 && t < 9.2) frame.observations.clear();
+  };
+  play(12.0);
   ASSERT_EQ(localizer_.sessions.size(), 2U);
   const auto& before = localizer_.sessions.front().start;
   const auto& after = localizer_.sessions.back().start;
   ASSERT_TRUE(before.has_value() && after.has_value());
   EXPECT_LT(local_coordinates(before->T_map_odom, after->T_map_odom).norm(), 1e-9);
-  EXPECT_GT(after->covariance.trace(), before->covariance.trace() + 1.0);
+  EXPECT_GT(after->covariance.trace(), before->covariance.trace() + 1e-4);
 }
 
 TEST_F(RobotReset, HasImagesThatShowAnotherMotionThanTheImuFeelsLeftOut) {

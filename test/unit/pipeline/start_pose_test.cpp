@@ -11,8 +11,10 @@ namespace {
 
 // What a person says of a pose in the map, as seen at the origin of odom some metres away.
 TEST(StartPose, HasTheCovarianceOfPosesDrawnAroundIt) {
-  constexpr StartUncertainty kSigma{
-      .position_sigma_m = 0.05, .yaw_sigma_rad = 0.02, .tilt_sigma_rad = 0.004};
+  constexpr StartUncertainty kSigma{.position_sigma_m = 0.05,
+                                    .yaw_sigma_rad = 0.02,
+                                    .tilt_sigma_rad = 0.004,
+                                    .max_carried_sigma_m = 1.0};
   constexpr int kDraws = 40'000;
   const Pose T_map_body{exp_so3({0.7, -1.2, 2.0}), {12.0, -3.0, 1.0}};
   const Pose T_odom_body{exp_so3({-0.4, 0.9, 0.3}), {4.0, 2.0, -1.5}};
