@@ -23,7 +23,7 @@ constexpr Disturbance kDisturbance{.start_m = 0.3,
                                    .tilt_rad = 0.2 * kDegree,
                                    .seed = 0};
 constexpr std::uint64_t kSeeds = 5;
-constexpr double kWrong_m = 0.25;
+constexpr double kWrongM = 0.25;
 constexpr double kWrongRad = 2.0 * kDegree;
 
 // A pair stands for a window: what 40 keyframes see is replaced by as much as one image yields.
@@ -59,7 +59,7 @@ Tally localize_all(const RecordedKeyframes& recorded, std::size_t count) {
       const Pose& truth = run.truth();
       errors_m.push_back((answer.T_map_body.p - truth.p).norm());
       const double error_rad = log_so3(answer.T_map_body.R.conjugate() * truth.R).norm();
-      const bool is_wrong = errors_m.back() > kWrong_m || error_rad > kWrongRad;
+      const bool is_wrong = errors_m.back() > kWrongM || error_rad > kWrongRad;
       if (is_wrong) ++tally.wrong;
     }
   }
