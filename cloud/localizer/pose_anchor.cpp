@@ -1,5 +1,8 @@
 #include "cloud/localizer/pose_anchor.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -17,10 +20,12 @@ Eigen::MatrixXd weak_by_body(const Directions& weak,
 
 }  // namespace
 
-PoseBelief PoseAnchor::at(const Pose& T_odom_later, const DriftConfig& drift) const {
+PoseBelief PoseAnchor::at(const Pose& T_odom_later,
+                          double travelled_m_later,
+                          const DriftConfig& drift) const {
   const Pose step = inverse(T_odom_body) * T_odom_later;
   const Matrix6d A = adjoint(inverse(step));
-  const double distance = step.p.norm();
+  const double distance = std::max(step.p.norm(), std::abs(travelled_m_later - travelled_m));
   const double rotation = drift.rotation_rad_per_m * distance;
   const double translation = drift.translation_m_per_m * distance;
   PoseBelief result{belief.T_map_body * step, A * belief.covariance * A.transpose()};

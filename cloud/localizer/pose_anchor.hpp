@@ -17,7 +17,7 @@ struct PoseBelief {
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-/// How fast the robot's odometry loses its way: standard deviations per metre of displacement.
+/// How fast the robot's odometry loses its way: standard deviations per metre of the path.
 struct DriftConfig {
   double translation_m_per_m;
   double rotation_rad_per_m;
@@ -28,10 +28,15 @@ struct DriftConfig {
 struct PoseAnchor {
   std::optional<KeyframeId> keyframe;  ///< none: the origin of `odom`
   Pose T_odom_body;                    ///< of that keyframe, when it was localized
+  double travelled_m = 0.0;            ///< of the odometry until then
   PoseBelief belief;
 
-  /// Carried by odometry to a later (or earlier) pose of the same session.
-  [[nodiscard]] PoseBelief at(const Pose& T_odom_later, const DriftConfig& drift) const;
+  /// Carried by odometry to a later (or earlier) pose of the same session, `travelled_m_later` from
+  /// the origin of `odom`. The drift grows with the path: a loop that comes back is no shorter for
+  /// it.
+  [[nodiscard]] PoseBelief at(const Pose& T_odom_later,
+                              double travelled_m_later,
+                              const DriftConfig& drift) const;
 };
 
 /// The information of `belief`, restricted to the `weak` directions of a motion of the window, for

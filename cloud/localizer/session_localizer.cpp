@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -38,6 +39,7 @@ std::optional<PoseAnchor> anchor_at_start(const RobotSession& session) {
   if (!session.start) return std::nullopt;
   return PoseAnchor{.keyframe = std::nullopt,
                     .T_odom_body = Pose{},
+                    .travelled_m = 0.0,
                     .belief = {session.start->T_map_odom, session.start->covariance}};
 }
 
@@ -58,6 +60,25 @@ void SessionLocalizer::add(const Submap& submap) {
   added_.stored += added.stored;
   added_.repeated += added.repeated;
   added_.stale += added.stale;
+  measure_path();
+}
+
+// From each new keyframe to the one before it; `odom` begins at its origin.
+void SessionLocalizer::measure_path() {
+  for (const auto& [id, keyframe] : database_.keyframes()) {
+    const auto next = path_.lower_bound(id);
+    if (next != path_.end() && next->first == id) continue;
+    PathPoint point{.p_odom = keyframe.item.T_odom_body.p, .travelled_m = 0.0};
+    if (next == path_.begin()) {
+      point.travelled_m = point.p_odom.norm();
+    } else {
+      const PathPoint& before = std::prev(next)->second;
+      point.travelled_m = before.travelled_m + (point.p_odom - before.p_odom).norm();
+    }
+    path_.emplace_hint(next, id, point);
+  }
+  const KeyframeId horizon = database_.keyframes().begin()->first;
+  path_.erase(path_.begin(), path_.lower_bound(horizon));
 }
 
 Answer SessionLocalizer::localize() {
@@ -121,8 +142,19 @@ SessionLocalizer::Hold SessionLocalizer::hold_of(const std::vector<KeyframeId>& 
   if (anchor_->keyframe && std::ranges::binary_search(window, *anchor_->keyframe)) {
     return {*anchor_->keyframe, anchor_->belief};
   }
-  const Pose& T_odom_oldest = database_.keyframe(window.front()).item.T_odom_body;
-  return {window.front(), anchor_->at(T_odom_oldest, config_.drift)};
+  return {window.front(), predicted(window.front())};
+}
+
+// What odometry says since the anchor.
+PoseBelief SessionLocalizer::predicted(KeyframeId keyframe) const {
+  const Pose& T_odom_body = database_.keyframe(keyframe).item.T_odom_body;
+  return anchor_->at(T_odom_body, path_.at(keyframe).travelled_m, config_.drift);
+}
+
+// Wherever the robot is, it is within reach in the end.
+double SessionLocalizer::reach() const {
+  const auto& limits = config_.acceptance;
+  return limits.reach_deviations * (1.0 + limits.reach_growth * refused_in_a_row_);
 }
 
 // How far the landmarks may be from where they seem to be.
@@ -246,13 +278,18 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   const SubmapKeyframe& newest = database_.newest().item;
   result.T_map_body = problem_.pose(newest.id);
 
-  PoseBelief predicted = anchor_->at(newest.T_odom_body, config_.drift);
-  predicted.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);
-  const Vector6d moved = local_coordinates(predicted.T_map_body, result.T_map_body);
-  diagnostics_.moved_deviations = std::sqrt(moved.dot(predicted.covariance.ldlt().solve(moved)));
-  if (!(diagnostics_.moved_deviations <= limits.reach_deviations)) return kNotConverged;
   if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
-  if (!anchor_->keyframe && !agrees_enough_to_start()) return kTooFewMatches;
+  const bool is_tracking = anchor_->keyframe && refused_in_a_row_ == 0;
+  if (!is_tracking && !agrees_enough_to_start()) return kTooFewMatches;
+
+  PoseBelief expected = predicted(newest.id);
+  expected.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);
+  const Vector6d moved = local_coordinates(expected.T_map_body, result.T_map_body);
+  diagnostics_.moved_deviations = std::sqrt(moved.dot(expected.covariance.ldlt().solve(moved)));
+  if (!(diagnostics_.moved_deviations <= reach())) {
+    if (anchor_->keyframe) ++refused_in_a_row_;
+    return kNotConverged;
+  }
 
   system_ = problem_.system();
   const std::optional<Matrix6d> covariance = system_->covariance_of_newest();
@@ -283,7 +320,11 @@ void SessionLocalizer::store(const PoseBelief& result) {
   for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
   for (const auto& [id, p_map] : problem_.positions()) database_.store_solution(id, p_map);
   const SubmapKeyframe& newest = database_.newest().item;
-  anchor_ = {.keyframe = newest.id, .T_odom_body = newest.T_odom_body, .belief = result};
+  anchor_ = {.keyframe = newest.id,
+             .T_odom_body = newest.T_odom_body,
+             .travelled_m = path_.at(newest.id).travelled_m,
+             .belief = result};
+  refused_in_a_row_ = 0;
 }
 
 std::size_t SessionLocalizer::memory_bytes() const {

@@ -71,6 +71,7 @@ class SessionLocalizer {
     double reach_deviations;     ///< from what odometry predicts
     double reach_floor_m;        ///< added to that prediction's deviations
     double reach_floor_rad;
+    double reach_growth;      ///< of the reach, with each answer in a row refused for it alone
     double max_weak_sigma_m;  ///< of the answer, along what the map does not hold
   };
   struct Honesty {
@@ -123,6 +124,12 @@ class SessionLocalizer {
     PoseBelief belief;
   };
 
+  struct PathPoint {
+    Eigen::Vector3d p_odom;
+    double travelled_m;
+  };
+
+  void measure_path();
   LocalizationStatus localize_window(const std::vector<KeyframeId>& window, PoseBelief& result);
   [[nodiscard]] Hold hold_of(const std::vector<KeyframeId>& window) const;
   void align(const Hold& hold);
@@ -134,6 +141,8 @@ class SessionLocalizer {
   [[nodiscard]] LocalizationStatus check_matches() const;
   [[nodiscard]] bool agrees_enough_to_start() const;
   LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
+  [[nodiscard]] double reach() const;
+  [[nodiscard]] PoseBelief predicted(KeyframeId keyframe) const;
   bool add_weak_directions(const Hold& hold, PoseBelief& result) const;
   void store(const PoseBelief& result);
 
@@ -142,10 +151,12 @@ class SessionLocalizer {
   SessionDatabase database_;
   WindowProblem problem_;
   RigidAlignment alignment_;
-  std::optional<PoseAnchor> anchor_;    // none: there is no start pose
-  Association association_;             // of the last round
-  MapConstraint constraint_;            // of the last round
-  std::optional<WindowSystem> system_;  // of the last localization, if it succeeded
+  std::optional<PoseAnchor> anchor_;      // none: there is no start pose
+  std::map<KeyframeId, PathPoint> path_;  // of the odometry, at the stored keyframes
+  int refused_in_a_row_ = 0;              // for the reach alone
+  Association association_;               // of the last round
+  MapConstraint constraint_;              // of the last round
+  std::optional<WindowSystem> system_;    // of the last localization, if it succeeded
   SessionDatabase::Added added_;
   LocalizationDiagnostics diagnostics_;
 };

@@ -24,6 +24,7 @@ SessionLocalizer::Acceptance read_acceptance(ConfigReader section) {
           .reach_deviations = section.positive("reach_deviations"),
           .reach_floor_m = section.positive("reach_floor_m"),
           .reach_floor_rad = section.positive("reach_floor_rad"),
+          .reach_growth = section.positive("reach_growth"),
           .max_weak_sigma_m = section.positive("max_weak_sigma_m")};
 }
 

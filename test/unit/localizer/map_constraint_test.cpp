@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
@@ -121,6 +122,19 @@ TEST(PoseAnchor, HoldsWeakDirectionsOnlyAndNeverClaimsToKnowThemBetter) {
   EXPECT_NEAR(widened(2, 2), expected(2, 2), 1e-9);
   EXPECT_NEAR(widened(4, 4), (W * narrow * W.transpose())(4, 4), 1e-9);
   EXPECT_TRUE(widened_along(weak, motion, {kPose, wide}, narrow).isApprox(wide));
+}
+
+TEST(PoseAnchor, LosesItsWayWithThePathAndNotOnlyWithTheDistanceFromWhereItWas) {
+  const DriftConfig drift{.translation_m_per_m = 0.02, .rotation_rad_per_m = 0.004};
+  const PoseAnchor anchor{.keyframe = std::nullopt,
+                          .T_odom_body = kPose,
+                          .travelled_m = 10.0,
+                          .belief = {kPose, 1e-6 * Matrix6d::Identity()}};
+  const Matrix6d still = anchor.at(kPose, 10.0, drift).covariance;
+  const Matrix6d looped = anchor.at(kPose, 60.0, drift).covariance;
+  EXPECT_LT(still(5, 5), 1e-5);
+  EXPECT_NEAR(looped(5, 5), 1.0, 1e-3);
+  EXPECT_NEAR(looped(0, 0), 0.04, 1e-3);
 }
 
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {

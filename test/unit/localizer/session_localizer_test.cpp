@@ -155,6 +155,36 @@ TEST(SessionLocalizer, LeavesItsSolutionAloneWhenItRejects) {
   EXPECT_LT(position_error(answer, robot.truth(10)), 0.1);
 }
 
+TEST(SessionLocalizer, IsNotLockedOutByItsOwnReach) {
+  const SimulatedSession robot({.seed = 5, .start_offset_m = 0.0, .start_yaw_rad = 0.0});
+  SessionLocalizer::Config config = localizer_config();
+  config.acceptance.reach_deviations = 1.0;
+  config.acceptance.reach_floor_m = 1e-6;
+  config.acceptance.reach_floor_rad = 1e-6;
+  config.acceptance.reach_growth = 0.5;
+  SessionLocalizer localizer(robot.session(), room_map(), config);
+  int first = 0;
+  int refused = 0;
+  int after = 0;
+  for (int i = 0; i < 40; ++i) {
+    localizer.add(robot.submap(i));
+    if (i < 7) continue;
+    const Answer answer = localizer.localize();
+    const bool is_localized = answer.status == kLocalized;
+    if (first > 0 && !is_localized) {
+      EXPECT_EQ(name(answer.status), name(kNotConverged)) << "keyframe " << i;
+      ++refused;
+    }
+    if (is_localized) {
+      EXPECT_LT(position_error(answer, robot.truth(i)), 0.1) << "keyframe " << i;
+      if (first == 0) first = i;
+      if (refused > 0) ++after;
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(after, 0);
+}
+
 TEST(SessionLocalizer, NamesWhatItLacks) {
   const SimulatedSession robot({.seed = 7});
   RobotSession session = robot.session();

@@ -1,0 +1,113 @@
+// The localizer on real stereo pairs in the real scan of their room: rough starts, no odometry but
+// the truth with noise.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "shared/config/default_config.hpp"
+#include "shared/geometry/so3.hpp"
+#include "test/system/recorded_keyframes.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr Disturbance kDisturbance{.start_m = 0.3,
+                                   .start_rad = 3.0 * kDegree,
+                                   .edge_m_per_m = 0.01,
+                                   .edge_rad = 0.2 * kDegree,
+                                   .tilt_rad = 0.2 * kDegree,
+                                   .seed = 0};
+constexpr std::uint64_t kSeeds = 5;
+constexpr double kWrongM = 0.25;
+constexpr double kWrongRad = 2.0 * kDegree;
+
+// A pair stands for a window: what 40 keyframes see is replaced by as much as one image yields.
+constexpr const char* kTracking =
+    "{corners: {features: 600, refill_below: 590, least_distance_px: 8, fast_threshold: 8}}";
+
+struct Tally {
+  int runs = 0;
+  int localized = 0;
+  int wrong = 0;
+  double median_m = 0.0;
+};
+
+Tally localize_all(const RecordedKeyframes& recorded, std::size_t count) {
+  auto yaml = ConfigReader::from_string(default_config("cloud"));
+  if (count == 1) {
+    yaml.overlay(ConfigReader::from_string("localizer: {acceptance: {least_keyframes: 1}}"));
+  }
+  const auto config = read_session_localizer_config(yaml.section("localizer"));
+  Tally tally;
+  std::vector<double> errors_m;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    Disturbance disturbance = kDisturbance;
+    disturbance.seed = seed;
+    for (std::size_t first = 0; first + count <= recorded.keyframes.size(); ++first) {
+      const KeyframeRun run(recorded, first, count, disturbance);
+      SessionLocalizer localizer(run.session(), recorded.map, config);
+      for (const Submap& submap : run.submaps()) localizer.add(submap);
+      const Answer answer = localizer.localize();
+      ++tally.runs;
+      if (answer.status != LocalizationStatus::kLocalized) continue;
+      ++tally.localized;
+      const Pose& truth = run.truth();
+      errors_m.push_back((answer.T_map_body.p - truth.p).norm());
+      const double error_rad = log_so3(answer.T_map_body.R.conjugate() * truth.R).norm();
+      const bool is_wrong = errors_m.back() > kWrongM || error_rad > kWrongRad;
+      if (is_wrong) ++tally.wrong;
+    }
+  }
+  if (errors_m.empty()) return tally;
+  const auto middle = errors_m.begin() + static_cast<std::ptrdiff_t>(errors_m.size() / 2);
+  std::ranges::nth_element(errors_m, middle);
+  tally.median_m = *middle;
+  return tally;
+}
+
+class KeyframeLocalization : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto dataset = std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" /
+                         "data" / "euroc_v101_keyframes";
+    if (!std::filesystem::is_directory(dataset)) GTEST_SKIP() << "there is no " << dataset;
+    recorded_ = read_keyframes(dataset, kTracking);
+  }
+
+  Tally tally(const char* what, std::size_t count) const {
+    const Tally result = localize_all(recorded_, count);
+    std::printf("%s: %d of %d localized, median error %.4f m, %d wrong\n",
+                what,
+                result.localized,
+                result.runs,
+                result.median_m,
+                result.wrong);
+    return result;
+  }
+
+ private:
+  RecordedKeyframes recorded_;
+};
+
+// Some answers are off by more than 2 degrees, in yaw: their number must not grow.
+TEST_F(KeyframeLocalization, LocalizesSinglePairsOfWhichAFewAreWrong) {
+  const Tally pairs = tally("single pairs", 1);
+  EXPECT_GE(pairs.localized, 0.8 * pairs.runs);
+  EXPECT_LE(pairs.median_m, 0.055);
+  EXPECT_LE(pairs.wrong, 0.08 * pairs.runs);
+}
+
+TEST_F(KeyframeLocalization, LocalizesWindowsOfFiveOfWhichAFewAreWrong) {
+  const Tally windows = tally("windows of five", 5);
+  EXPECT_GE(windows.localized, 0.9 * windows.runs);
+  EXPECT_LE(windows.median_m, 0.04);
+  EXPECT_LE(windows.wrong, 0.025 * windows.runs);
+}
+
+}  // namespace
+}  // namespace fleetloc
