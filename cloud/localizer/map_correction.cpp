@@ -15,7 +15,7 @@ namespace fleetloc {
 namespace {
 
 constexpr double kWorstConditioned = 1e-8;  // of a landmark that the robot places at all
-constexpr double kFarthest_m = 60.0;        // from the anchor: what a message can hold
+constexpr double kFarthestMetres = 60.0;    // from the anchor: what a message can hold
 
 using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
@@ -32,15 +32,17 @@ bool is_placed_by_robot(const WindowSystem::Landmark& landmark) {
 
 int newest_observer(const WindowSystem::Landmark& landmark) {
   int newest = -1;
-  for (const auto& coupling : landmark.equations.couplings)
+  for (const auto& coupling : landmark.equations.couplings) {
     newest = std::max(newest, coupling.kept);
+  }
   return newest;
 }
 
 int oldest_observer(const WindowSystem::Landmark& landmark) {
   int oldest = std::numeric_limits<int>::max();
-  for (const auto& coupling : landmark.equations.couplings)
+  for (const auto& coupling : landmark.equations.couplings) {
     oldest = std::min(oldest, coupling.kept);
+  }
   return oldest;
 }
 
@@ -51,7 +53,7 @@ std::vector<const WindowSystem::Landmark*> candidates(const WindowSystem& system
   std::vector<Candidate> found;
   for (const WindowSystem::Landmark& landmark : system.landmarks) {
     if (!landmark.is_matched || newest_observer(landmark) < first_keyframe) continue;
-    if ((landmark.p_map - system.T_map_body.back().p).norm() > kFarthest_m) continue;
+    if ((landmark.p_map - system.T_map_body.back().p).norm() > kFarthestMetres) continue;
     if (!is_placed_by_robot(landmark)) continue;
     found.push_back(
         {&landmark, landmark.equations.H.determinant() / landmark.H_robot.determinant()});
@@ -74,7 +76,9 @@ class Covariance {
       : covariance_(std::move(covariance)), first_(first) {}
 
   [[nodiscard]] Matrix6d block(int a, int b) const { return covariance_.block<6, 6>(at(a), at(b)); }
-  [[nodiscard]] Eigen::Index at(int keyframe) const { return 6 * (keyframe - first_); }
+  [[nodiscard]] Eigen::Index at(int keyframe) const {
+    return Eigen::Index{6} * (keyframe - first_);
+  }
   [[nodiscard]] Eigen::Index size() const { return covariance_.rows(); }
   [[nodiscard]] const Eigen::MatrixXd& matrix() const { return covariance_; }
 
@@ -89,7 +93,7 @@ std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int fi
   const Eigen::Index held = system.H_robot.rows() - 6;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(system.H_robot.topLeftCorner(held, held));
   if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Eigen::Index size = held - 6 * first;
+  const Eigen::Index size = held - Eigen::Index{6} * first;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size + 6, size + 6);
   covariance.topLeftCorner(size, size) = last_of_inverse(cholesky, size);
   if (!covariance.allFinite()) return std::nullopt;
@@ -98,7 +102,8 @@ std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int fi
 
 std::optional<Covariance> covariance_with_map(const WindowSystem& system, int first) {
   if (system.cholesky.info() != Eigen::Success) return std::nullopt;
-  Eigen::MatrixXd covariance = last_of_inverse(system.cholesky, system.H_robot.rows() - 6 * first);
+  Eigen::MatrixXd covariance =
+      last_of_inverse(system.cholesky, system.H_robot.rows() - Eigen::Index{6} * first);
   if (!covariance.allFinite()) return std::nullopt;
   return Covariance(std::move(covariance), first);
 }
@@ -117,8 +122,9 @@ Eigen::Matrix3d landmark_covariance(const Covariance& poses,
   const Eigen::Matrix3d R_anchor_map = T_map_anchor.R.toRotationMatrix().transpose();
   const Eigen::Matrix3d own = R_anchor_map * H.inverse();
   Eigen::Index begin = poses.size() - 6;  // the observers, mostly without gaps, and the anchor
-  for (const auto& seen : landmark.equations.couplings)
+  for (const auto& seen : landmark.equations.couplings) {
     begin = std::min(begin, poses.at(seen.kept));
+  }
   Rows3 J = Rows3::Zero(3, poses.size() - begin);
   for (const auto& seen : landmark.equations.couplings) {
     J.middleCols<6>(poses.at(seen.kept) - begin).noalias() -= own * seen.H.transpose();

@@ -109,6 +109,10 @@ class WindowProblem {
       std::map<LandmarkId, LandmarkNode>::iterator landmark);
   void add_tilt(const SubmapKeyframe& oldest);
   void set_match(LandmarkNode& landmark, const MapMatch* match);
+  /// Edges and observations: what the robot measured.
+  [[nodiscard]] std::vector<ceres::ResidualBlockId> robot_factors() const;
+  /// Tilt, prior and map.
+  [[nodiscard]] std::vector<ceres::ResidualBlockId> other_factors() const;
   [[nodiscard]] ResidualBlock block_of(ceres::ResidualBlockId id) const;
   [[nodiscard]] std::optional<Matrix6d> marginal(const std::vector<ceres::ResidualBlockId>& ids,
                                                  KeyframeId keyframe,

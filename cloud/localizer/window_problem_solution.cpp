@@ -152,12 +152,7 @@ WindowSystem WindowProblem::system() const {
   for (const auto& [id, node] : landmarks_) points.push_back(node.point);
 
   JointEquations joint(kept, points);
-  for (const auto& [to, edge] : edges_) joint.add(block_of(edge.factor));
-  for (const auto& [id, node] : keyframes_) {
-    for (const ceres::ResidualBlockId factor : node.factors) {
-      if (factor != nullptr) joint.add(block_of(factor));
-    }
-  }
+  for (const ceres::ResidualBlockId factor : robot_factors()) joint.add(block_of(factor));
   system.H_robot = joint.reduced().H;
   for (const auto& [id, node] : landmarks_) {
     system.landmarks.push_back({.id = id,
@@ -166,12 +161,7 @@ WindowSystem WindowProblem::system() const {
                                 .H_robot = joint.points()[system.landmarks.size()].H,
                                 .equations = {}});
   }
-  for (const ceres::ResidualBlockId factor : {tilt_, prior_}) {
-    if (factor != nullptr) joint.add(block_of(factor));
-  }
-  for (const auto& [id, node] : landmarks_) {
-    if (node.map_factor != nullptr) joint.add(block_of(node.map_factor));
-  }
+  for (const ceres::ResidualBlockId factor : other_factors()) joint.add(block_of(factor));
   system.cholesky.compute(joint.reduced().H);
   for (std::size_t i = 0; i < points.size(); ++i) {
     system.landmarks[i].equations = joint.points()[i];
@@ -182,14 +172,28 @@ WindowSystem WindowProblem::system() const {
 std::optional<Matrix6d> WindowProblem::covariance_from(KeyframeId origin,
                                                        KeyframeId keyframe) const {
   if (origin == keyframe) return Matrix6d::Zero();
-  std::vector<ceres::ResidualBlockId> ids;
-  for (const auto& [to, edge] : edges_) ids.push_back(edge.factor);
+  return marginal(robot_factors(), keyframe, origin);
+}
+
+std::vector<ceres::ResidualBlockId> WindowProblem::robot_factors() const {
+  std::vector<ceres::ResidualBlockId> factors;
+  for (const auto& [to, edge] : edges_) factors.push_back(edge.factor);
   for (const auto& [id, node] : keyframes_) {
-    std::ranges::copy_if(node.factors, std::back_inserter(ids), [](auto id_of_factor) {
+    std::ranges::copy_if(node.factors, std::back_inserter(factors), [](auto id_of_factor) {
       return id_of_factor != nullptr;
     });
   }
-  return marginal(ids, keyframe, origin);
+  return factors;
+}
+
+std::vector<ceres::ResidualBlockId> WindowProblem::other_factors() const {
+  std::vector<ceres::ResidualBlockId> factors;
+  if (tilt_ != nullptr) factors.push_back(tilt_);
+  if (prior_ != nullptr) factors.push_back(prior_);
+  for (const auto& [id, node] : landmarks_) {
+    if (node.map_factor != nullptr) factors.push_back(node.map_factor);
+  }
+  return factors;
 }
 
 ResidualBlock WindowProblem::block_of(ceres::ResidualBlockId id) const {

@@ -177,7 +177,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
 }
 
 // If even the newest has waited too long, the robot has stopped sending.
-void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) {
+void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) const {
   if (robot.waiting.empty()) return;
   if (to_seconds(now - robot.waiting.back().received) <= config_.max_waiting_s) return;
   robot.report.refused["stale"] += robot.waiting.size();

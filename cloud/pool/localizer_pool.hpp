@@ -136,7 +136,7 @@ class LocalizerPool {
   void request_session(const Submap& submap, Timestamp now);
   void end(const RobotId& robot, const std::string& why);
   void tidy(Timestamp now);
-  void drop_stale_work(Robot& robot, Timestamp now);
+  void drop_stale_work(Robot& robot, Timestamp now) const;
   static void pop_waiting(Robot& robot);
   void refuse(const RobotId& robot, std::string_view reason);
   void refuse_loser(const RobotId& robot, SessionVerdict verdict, Timestamp now);

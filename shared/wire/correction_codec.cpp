@@ -80,7 +80,7 @@ Defect defect_of_poses(const wire::Correction& sample) {
 }
 
 Defect defect_of_landmarks(const wire::Correction& sample) {
-  constexpr auto kMost = static_cast<int>(kFarthestCorrectedLandmark_m * kLandmarkUnitsPerMetre);
+  constexpr auto kMost = static_cast<int>(kFarthestCorrectedMetres * kLandmarkUnitsPerMetre);
   for (const int value : sample.landmark_position()) {
     if (std::abs(value) > kMost) return Malformed::kOutOfRange;
   }

@@ -9,9 +9,9 @@
 
 namespace fleetloc {
 
-inline constexpr std::size_t kMostCorrectionBytes = 1200;     ///< one datagram
-inline constexpr std::size_t kMostCorrectedPoses = 16;        ///< which fit in any case
-inline constexpr double kFarthestCorrectedLandmark_m = 65.0;  ///< along each axis
+inline constexpr std::size_t kMostCorrectionBytes = 1200;  ///< one datagram
+inline constexpr std::size_t kMostCorrectedPoses = 16;     ///< which fit in any case
+inline constexpr double kFarthestCorrectedMetres = 65.0;   ///< along each axis
 
 /// Of landmarks that do not fit into kMostCorrectionBytes those with the least information (trace)
 /// are left out.
@@ -20,7 +20,7 @@ inline constexpr double kFarthestCorrectedLandmark_m = 65.0;  ///< along each ax
 /// 0.005 mm and landmarks by 1 mm per axis, information as CompactRoot says.
 ///
 /// Throws NotEncodable for what the receiver would refuse: items out of order, none at all, more
-/// than kMostCorrectedPoses, edges beyond 20 km, landmarks beyond kFarthestCorrectedLandmark_m.
+/// than kMostCorrectedPoses, edges beyond 20 km, landmarks beyond kFarthestCorrectedMetres.
 Bytes encode(const Correction& correction);
 
 /// Never throws.
