@@ -99,8 +99,8 @@ class CloudClient final : public MapLocalizer {
   std::optional<Answer> newest_;                // of this session
   std::optional<Correction> correction_;        // not yet taken
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
-  std::string other_map_;         // the localizer that was last reported to have another map
-  std::string trouble_;           // that was last reported
+  std::string other_map_;  // the localizer that was last reported to have another map
+  std::string trouble_;    // that was last reported
   std::optional<Timestamp> session_started_;
   int foreign_answers_ = 0;  // late ones, of sessions that are not this robot's
   std::vector<std::string> events_;

@@ -76,27 +76,16 @@ void LocalizerChoice::answered(Timestamp now) {
 }
 
 LocalizerChoice::Change LocalizerChoice::decide(Timestamp now, const Link& link) {
-  const Candidate other = best(now, false);
-  if (name_.empty()) {
-    const Candidate any = other != known_.end() ? other : best(now, true);
-    return any == known_.end() ? Change::kNone : choose(any, "available", now);
-  }
+  const auto other = best(now, false);
+  if (name_.empty()) return choose_first(now);
   Known& current = known_.at(name_);
   if (!is_right(current.status.map_hash)) {
     return other == known_.end() ? leave("it has another map now")
                                  : choose(other, name_ + " has another map now", now);
   }
-  if (current.status.epoch != epoch_) {
-    epoch_ = current.status.epoch;
-    trouble_.clear();
-    reason_ = "it was restarted";
-    has_answered_ = false;
-    waiting_since_.reset();
-    last_sign_ = now;
-    return Change::kRestarted;
-  }
+  if (current.status.epoch != epoch_) return follow_restart(current, now);
   if (!is_alive(current, now) && to_seconds(now - last_sign_) > config_.status_timeout_s) {
-    const Candidate any = other != known_.end() ? other : best(now, true);
+    const auto any = other != known_.end() ? other : best(now, true);
     return leave_silent(current, any, name_ + " is gone", now);
   }
   if (is_silent(now, link)) return leave_silent(current, other, name_ + " does not answer", now);
@@ -107,6 +96,24 @@ LocalizerChoice::Change LocalizerChoice::decide(Timestamp now, const Link& link)
     return choose(other, name_ + " is overloaded", now);
   }
   return Change::kNone;
+}
+
+LocalizerChoice::Change LocalizerChoice::choose_first(Timestamp now) {
+  for (const bool even_excluded : {false, true}) {
+    const auto candidate = best(now, even_excluded);
+    if (candidate != known_.end()) return choose(candidate, "available", now);
+  }
+  return Change::kNone;
+}
+
+LocalizerChoice::Change LocalizerChoice::follow_restart(const Known& current, Timestamp now) {
+  epoch_ = current.status.epoch;
+  trouble_.clear();
+  reason_ = "it was restarted";
+  has_answered_ = false;
+  waiting_since_.reset();
+  last_sign_ = now;
+  return Change::kRestarted;
 }
 
 bool LocalizerChoice::is_alive(const Known& known, Timestamp now) const {
@@ -129,7 +136,7 @@ LocalizerChoice::Candidate LocalizerChoice::best(Timestamp now, bool even_exclud
       other_map_ = name;
     }
   }
-  Candidate result = known_.end();
+  auto result = known_.end();
   std::uint64_t greatest = 0;
   for (auto it = known_.begin(); it != known_.end(); ++it) {
     if (!is_candidate(it->second, now, even_excluded)) continue;

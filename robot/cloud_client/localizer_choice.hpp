@@ -87,6 +87,8 @@ class LocalizerChoice {
   [[nodiscard]] bool is_overloaded_for_long(const Known& current,
                                             const Known& other,
                                             Timestamp now);
+  Change choose_first(Timestamp now);
+  Change follow_restart(const Known& current, Timestamp now);
   Change choose(Candidate candidate, std::string reason, Timestamp now);
   Change leave_silent(Known& current, Candidate other, std::string reason, Timestamp now);
   Change leave(std::string reason);

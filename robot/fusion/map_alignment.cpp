@@ -148,6 +148,13 @@ void MapAlignment::update(const Eigen::Matrix<double, N, 1>& residual,
   error_ += correction.template tail<6>();
 }
 
+AnswerOutcome MapAlignment::apply_to_continued(const AnswerMeasurement& answer) {
+  const bool agrees = agrees_with_continued(answer);
+  if (!agrees && !rivals_.add(answer)) return AnswerOutcome::kGated;
+  if (!initialize(answer)) return AnswerOutcome::kImplausibleTilt;
+  return agrees ? AnswerOutcome::kApplied : AnswerOutcome::kRestarted;
+}
+
 AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   if (!last_applied_) {
     return initialize(answer) ? AnswerOutcome::kApplied : AnswerOutcome::kImplausibleTilt;
@@ -155,12 +162,7 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   if (answer.map_hash != map_hash_) {
     return AnswerOutcome::kWrongMap;
   }
-  if (continued_) {
-    const bool agrees = agrees_with_continued(answer);
-    if (!agrees && !rivals_.add(answer)) return AnswerOutcome::kGated;
-    if (!initialize(answer)) return AnswerOutcome::kImplausibleTilt;
-    return agrees ? AnswerOutcome::kApplied : AnswerOutcome::kRestarted;
-  }
+  if (continued_) return apply_to_continued(answer);
   const MapAlignment before = *this;
   age_error(answer);
   Eigen::Matrix<double, 6, 12> H;

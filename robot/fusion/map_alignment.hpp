@@ -68,6 +68,7 @@ class MapAlignment {
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
   bool initialize(const AnswerMeasurement& answer);
+  AnswerOutcome apply_to_continued(const AnswerMeasurement& answer);
   [[nodiscard]] bool agrees_with_continued(const AnswerMeasurement& answer) const;
   [[nodiscard]] Matrix6d error_transition(const AnswerMeasurement& answer) const;
   void age_error(const AnswerMeasurement& answer);

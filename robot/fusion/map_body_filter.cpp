@@ -106,10 +106,10 @@ AnswerOutcome MapBodyFilter::apply(const AnswerMeasurement& answer,
 // P - K S K^T with K S = P H^T. The change of the tangent space by the correction is left out
 // (second order).
 void MapBodyFilter::update(const Vector6d& residual, const Matrix6x21d& H, const Matrix6d& R) {
-  const Matrix6x21d H_P = H * P_;
-  const Eigen::LLT<Matrix6d> S(H_P * H.transpose() + R);
-  const Eigen::Matrix<double, 21, 1> correction = H_P.transpose() * S.solve(residual);
-  const Matrix6x21d root = S.matrixL().solve(H_P);
+  const Matrix6x21d C = H * P_;  // of residual and state
+  const Eigen::LLT<Matrix6d> S(C * H.transpose() + R);
+  const Eigen::Matrix<double, 21, 1> correction = C.transpose() * S.solve(residual);
+  const Matrix6x21d root = S.matrixL().solve(C);
   P_ -= root.transpose() * root;
   state_.T_odom_body = retract(state_.T_odom_body, correction.head<6>());
   state_.v_odom += correction.segment<3>(6);
