@@ -29,7 +29,7 @@ struct RobotNodeOptions {
 struct RobotNodeConfig {
   RobotPipeline::Config pipeline;
   KeyframeWorker::Config worker;
-  CloudClient::Config client;
+  CloudClient::Config client{};
 };
 
 /// A robot that plays a recording: everything that can fail before it starts fails in the
