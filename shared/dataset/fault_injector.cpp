@@ -162,6 +162,17 @@ bool FaultInjector::strikes(std::size_t fault, Timestamp stamp) {
   return strikes;
 }
 
+void FaultInjector::spoil(StereoFrame& frame, FaultKind kind) const {
+  if (kind == FaultKind::kBlackImages) paint(frame, 0);
+  if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
+  if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
+  if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
+  if (kind == FaultKind::kFrozenImages && !last_frame_.left.empty()) {
+    frame.left = last_frame_.left;
+    frame.right = last_frame_.right;
+  }
+}
+
 void FaultInjector::take(StereoFrame frame) {
   bool dropped = false;
   bool doubled = false;
@@ -172,14 +183,7 @@ void FaultInjector::take(StereoFrame frame) {
     dropped = dropped || kind == FaultKind::kDroppedFrames;
     doubled = doubled || kind == FaultKind::kDoubledFrames;
     late = late || kind == FaultKind::kDisorderedFrames;
-    if (kind == FaultKind::kBlackImages) paint(frame, 0);
-    if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
-    if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
-    if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
-    if (kind == FaultKind::kFrozenImages && !last_frame_.left.empty()) {
-      frame.left = last_frame_.left;
-      frame.right = last_frame_.right;
-    }
+    spoil(frame, kind);
   }
   last_frame_ = frame;
   if (!dropped) deliver(std::move(frame), late_frame_, doubled, late);

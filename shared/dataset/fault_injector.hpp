@@ -66,6 +66,7 @@ class FaultInjector {
 
  private:
   bool strikes(std::size_t fault, Timestamp stamp);
+  void spoil(StereoFrame& frame, FaultKind kind) const;
   void take(StereoFrame frame);
   void take(const ImuSample& sample);
   template <typename Measurement>

@@ -24,7 +24,8 @@ SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp
     robot.heard = now;
     return SessionVerdict::kCurrent;
   }
-  const bool wins = announced > robot.current || to_seconds(now - robot.heard) > config_.silence_s;
+  const bool wins =
+      announced.is_later_than(robot.current) || to_seconds(now - robot.heard) > config_.silence_s;
   const Session loser = wins ? robot.current : announced;
   if (std::ranges::find(robot.losers, loser) == robot.losers.end()) robot.losers.push_back(loser);
   if (robot.losers.size() > kMostLosers) robot.losers.pop_front();
@@ -58,7 +59,7 @@ SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now)
     robot.heard = now;
     return SessionVerdict::kCurrent;
   }
-  if (session > robot.current) return SessionVerdict::kUnknown;
+  if (session.is_later_than(robot.current)) return SessionVerdict::kUnknown;
   return verdict_on_loser(robot, session, now);
 }
 

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <string_view>
+#include <tuple>
 
 #include "shared/core/ids.hpp"
 #include "shared/core/time.hpp"
@@ -40,7 +41,7 @@ class SessionRegister {
   explicit SessionRegister(const Config& config) : config_(config) {}
 
   SessionVerdict announced(const RobotSession& session, Timestamp now);
-  SessionVerdict submap(const RobotId& robot, SessionNumber session, Timestamp now);
+  SessionVerdict submap(const RobotId& id, SessionNumber session, Timestamp now);
   SessionVerdict status(const RobotStatus& status, Timestamp now);
 
   [[nodiscard]] std::size_t robots() const { return robots_.size(); }
@@ -49,7 +50,10 @@ class SessionRegister {
   struct Session {
     Timestamp start_stamp;
     SessionNumber number{};
-    auto operator<=>(const Session&) const = default;
+    bool operator==(const Session& other) const = default;
+    [[nodiscard]] bool is_later_than(const Session& other) const {
+      return std::tie(start_stamp, number) > std::tie(other.start_stamp, other.number);
+    }
   };
   struct Robot {
     Session current;

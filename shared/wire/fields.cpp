@@ -68,7 +68,7 @@ SquareRoot square_root_of(const Matrix6d& matrix) {
       eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   const Matrix6d R = root.householderQr().matrixQR();
   SquareRoot out{};
-  auto next = out.begin();
+  auto* next = out.data();
   for (int row = 0; row < 6; ++row) {
     for (int column = row; column < 6; ++column) {
       *next++ = static_cast<float>(R(row, column) * scale(column));
