@@ -31,8 +31,11 @@ Submap submap_of(const SimulatedSession& robot, int keyframe) {
   submap.keyframes.insert(submap.keyframes.begin(), before.keyframes[0]);
   submap.landmarks.insert(submap.landmarks.end(), before.landmarks.begin(), before.landmarks.end());
   std::ranges::sort(submap.landmarks, {}, &SubmapLandmark::id);
-  const auto repeated = std::ranges::unique(submap.landmarks, {}, &SubmapLandmark::id);
-  submap.landmarks.erase(repeated.begin(), repeated.end());
+  const auto is_same = [](const SubmapLandmark& a, const SubmapLandmark& b) {
+    return a.id == b.id;
+  };
+  submap.landmarks.erase(std::unique(submap.landmarks.begin(), submap.landmarks.end(), is_same),
+                         submap.landmarks.end());
   return submap;
 }
 
@@ -103,7 +106,7 @@ TEST(Corrections, ReachTheRobotOverTheNetworkAndAreTakenOnce) {
         const Eigen::Vector3d truth = inverse(T_map_anchor) * robot.run().landmark(landmark.id);
         const Eigen::Vector3d error = landmark.p_anchor - truth;
         const double nees = error.dot(landmark.information * error) / 3.0;
-        if (nees > 9.0) ++wrong;
+        wrong += static_cast<int>(nees > 9.0);
         nees_sum += nees;
         ++landmarks;
       }

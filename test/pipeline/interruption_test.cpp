@@ -39,7 +39,7 @@ class Interruption : public testing::Test {
   static std::shared_ptr<const LaserMap> other_map() {
     std::vector<Eigen::Vector3f> points;
     for (const Eigen::Vector3d& p : run().surface_points(0.03)) {
-      points.push_back((p + Eigen::Vector3d(0.5, 0.0, 0.0)).cast<float>());
+      points.emplace_back((p + Eigen::Vector3d(0.5, 0.0, 0.0)).cast<float>());
     }
     return std::make_shared<const LaserMap>(
         build_map(points, "other", read_map_config(defaults().section("map"))));
@@ -50,20 +50,20 @@ class Interruption : public testing::Test {
     return T;
   }
 
-  double first_applied_after(double since_s) const {
+  [[nodiscard]] double first_applied_after(double since_s) const {
     for (const AnswerOutput& answer : system_.answers) {
       const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
       if (answer.applied && arrival_s > since_s) return arrival_s;
     }
     return INFINITY;
   }
-  int applied_between(double from_s, double to_s) const {
+  [[nodiscard]] int applied_between(double from_s, double to_s) const {
     return static_cast<int>(std::ranges::count_if(system_.answers, [&](const AnswerOutput& answer) {
       const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
       return answer.applied && arrival_s > from_s && arrival_s <= to_s;
     }));
   }
-  Quality quality_at(double s) const {
+  [[nodiscard]] Quality quality_at(double s) const {
     const auto frame = std::ranges::find_if(system_.frames, [&](const FrameOutput& output) {
       return to_seconds(output.stamp.time_since_epoch()) >= s - 1e-6;
     });

@@ -14,9 +14,6 @@
 namespace fleetloc {
 namespace {
 
-using testing::Contains;
-using testing::HasSubstr;
-
 Timestamp at(double s) {
   return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s))};
 }
@@ -91,23 +88,13 @@ class Shares : public ManyRobots {
       3000;  // before that, who has had nothing yet comes first
 
   void serve(int workers, const std::map<RobotId, int>& job_ms, int duration_ms) {
-    int phase = 0;
     for (const auto& [robot, ms] : job_ms) open(session_of(robot), 0.0);
     std::vector<Running> running;
     for (int ms = 0; ms < duration_ms; ++ms) {
-      phase = 0;
-      for (const auto& [robot, cost] : job_ms) {
-        if ((ms + 37 * phase++) % 500 == 0) {
-          send(submap_of(session_of(robot), static_cast<std::uint32_t>(ms)), 1e-3 * ms);
-        }
-      }
+      send_due(job_ms, ms);
       std::erase_if(running, [&](Running& one) {
         if (one.done_ms > ms) return false;
-        const double waited_s = 1e-3 * ms - to_seconds(one.job.received.time_since_epoch());
-        double& longest_s = longest_s_[one.job.robot];
-        if (ms > kWarmUpMilliseconds) longest_s = std::max(longest_s, waited_s);
-        used_s_[one.job.robot] += 1e-3 * job_ms.at(one.job.robot);
-        pool_.finish(one.job, Answer{}, 1.0, at(1e-3 * ms));
+        finish(one, job_ms, ms);
         return true;
       });
       while (static_cast<int>(running.size()) < workers) {
@@ -117,6 +104,22 @@ class Shares : public ManyRobots {
         running.push_back({std::move(*job), ms + cost});
       }
     }
+  }
+
+  void send_due(const std::map<RobotId, int>& job_ms, int ms) {
+    int phase = 0;
+    for (const auto& [robot, cost] : job_ms) {
+      if ((ms + 37 * phase++) % 500 != 0) continue;
+      send(submap_of(session_of(robot), static_cast<std::uint32_t>(ms)), 1e-3 * ms);
+    }
+  }
+
+  void finish(const Running& one, const std::map<RobotId, int>& job_ms, int ms) {
+    const double waited_s = 1e-3 * ms - to_seconds(one.job.received.time_since_epoch());
+    double& longest_s = longest_s_[one.job.robot];
+    if (ms > kWarmUpMilliseconds) longest_s = std::max(longest_s, waited_s);
+    used_s_[one.job.robot] += 1e-3 * job_ms.at(one.job.robot);
+    pool_.finish(one.job, Answer{}, 1.0, at(1e-3 * ms));
   }
 
   std::map<RobotId, double> longest_s_;  // from the oldest submap of a job to its answer
@@ -259,7 +262,8 @@ TEST_F(ManyRobots, OfTwoLiveRobotsWithOneIdTheEarlierIsRefusedAndNamed) {
   open(first, 0.0);
   open(second, 1.0);
   std::uint32_t number = 0;
-  for (double s = 1.0; s < 21.0; s += 0.5) {
+  for (int half_seconds = 2; half_seconds < 42; ++half_seconds) {
+    const double s = 0.5 * half_seconds;
     open(first, s);
     send(submap_of(first, number), s);
     send(submap_of(second, number++), s);

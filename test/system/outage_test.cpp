@@ -89,6 +89,7 @@ TEST_F(DdsOutage, FourRobotsAreLocalizedAtTheEndThoughOneOfTwoLocalizersWasKille
   auto first = std::make_unique<ChildProgram>(FLEETLOC_CLOUD, cloud("localizer_1"));
   const ChildProgram second(FLEETLOC_CLOUD, cloud("localizer_2"));
   std::vector<std::unique_ptr<ChildProgram>> robots;
+  robots.reserve(starts.size());
   for (const std::string& start : starts) {
     robots.push_back(std::make_unique<ChildProgram>(
         FLEETLOC_ROBOT, robot("robot_" + start, {"--rate", "1", "--duration", "36"}, start)));
