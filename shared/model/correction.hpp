@@ -24,7 +24,7 @@ struct Correction {
   /// The error is T_odom_anchor^-1 * p_odom - p_anchor [m].
   struct Landmark {
     LandmarkId id{};
-    Eigen::Vector3d p_anchor = Eigen::Vector3d::Zero();       ///< in the anchor's body frame [m]
+    Eigen::Vector3d p_anchor = Eigen::Vector3d::Zero();     ///< in the anchor's body frame [m]
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< positive semi-definite [1/m^2]
   };
 
@@ -32,7 +32,7 @@ struct Correction {
   SessionNumber session{};
   std::string localizer;
   Epoch epoch{};
-  KeyframeId anchor{};  ///< newest keyframe of the answer that this belongs to
+  KeyframeId anchor{};                       ///< newest keyframe of the answer that this belongs to
   std::vector<RelativePose> relative_poses;  ///< strictly increasing by `to`
   std::vector<Landmark> landmarks;           ///< strictly increasing by id
 };
