@@ -62,10 +62,7 @@ nlohmann::json relative_or_null(const std::vector<PosePair>& pairs,
 }  // namespace
 
 EvaluationConfig read_evaluation_config(ConfigReader section) {
-  const auto duration = [&section](const char* key) {
-    return std::chrono::duration_cast<Duration>(
-        std::chrono::duration<double>(section.positive(key)));
-  };
+  const auto duration = [&section](const char* key) { return from_seconds(section.positive(key)); };
   return {.max_gap = duration("max_gap_s"), .relative_interval = duration("relative_interval_s")};
 }
 

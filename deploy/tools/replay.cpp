@@ -19,10 +19,6 @@ namespace {
 constexpr const char* kRobot = "robot";
 constexpr const char* kLocalizer = "localizer";
 
-Duration from_seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 /// The far side of the robot's MapLocalizer: link and cloud, in simulated time.
 struct FarSide {
   FarSide(const ReplayOptions& options, const ReplayConfig& config)

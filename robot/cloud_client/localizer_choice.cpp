@@ -15,10 +15,6 @@ constexpr double kEqualLoad = 0.1;  // differences below it do not matter
 constexpr double kWorstLoss = 0.8;  // beyond, timeouts do not grow
 constexpr int kMostDoublings = 16;
 
-Duration from_seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 // FNV-1a, then mixed: the same names give the same number on every machine.
 std::uint64_t hash(std::string_view text, std::string_view more) {
   std::uint64_t value = 0xcbf29ce484222325U;

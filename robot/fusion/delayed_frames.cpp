@@ -13,10 +13,6 @@
 namespace fleetloc {
 namespace {
 
-Duration to_duration(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 bool is_finite(const Pose& pose) {
   return pose.R.coeffs().allFinite() && pose.p.allFinite();
 }
@@ -38,7 +34,7 @@ double largest_sigma(const Eigen::Matrix3d& covariance) {
 
 DelayedFrames::DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config)
     : noise_(noise),
-      buffer_(to_duration(config.buffer_s)),
+      buffer_(from_seconds(config.buffer_s)),
       drift_config_(config.drift),
       answer_noise_(config.answers.noise),
       drift_(config.drift) {}

@@ -14,11 +14,6 @@ namespace {
 // Initializations look back less far than this.
 constexpr Duration kDeadReckonedFor = std::chrono::seconds(30);
 
-Duration longest_imu_step(const RobotPipeline::Config& config) {
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(config.frame_estimator.noise.imu_gaps.void_from_s));
-}
-
 }  // namespace
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -32,7 +27,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       back_end_(back_end),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
-      gate_(longest_imu_step(config)),
+      gate_(from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s)),
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
@@ -255,7 +250,9 @@ void RobotPipeline::take_cloud(Timestamp now) {
       output.reason = verdict.reason;
       aligned_ = aligned_ || verdict.applied;
     }
-    if (output.applied) localizer_->update_start(*fusion_->start_pose());
+    // Nothing to start from where the answer was older than a gap in the IMU's data.
+    const auto start = fusion_->start_pose();
+    if (output.applied && start) localizer_->update_start(*start);
     answers_.push_back(std::move(output));
   }
 }

@@ -6,8 +6,8 @@ set(FLEETLOC_LAYERS
     "shared/geometry shared/concurrency shared/config"
     "shared/model shared/link"
     "shared/factors shared/wire shared/transport shared/trajectory shared/dataset shared/pointcloud"
-    "shared/protocol shared/run_folder robot/tracking robot/inertial cloud/laser_map shared/simulation"
-    "robot/vio robot/submap robot/fusion cloud/localizer"
+    "shared/protocol shared/run_folder robot/tracking robot/inertial cloud/laser_map shared/simulation shared/motion shared/world"
+    "robot/vio robot/submap robot/fusion cloud/localizer shared/sensors"
     "robot/pipeline robot/cloud_client cloud/pool"
     "robot/node cloud/node deploy/tools")
 

@@ -1,6 +1,5 @@
 #include "shared/dataset/dataset_reader.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "shared/dataset/image_file.hpp"
@@ -10,10 +9,6 @@ namespace fleetloc {
 namespace {
 
 constexpr Duration kImuLead = std::chrono::seconds(1);
-
-Duration from_seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
 
 std::filesystem::path mav0_of(const std::filesystem::path& folder) {
   if (std::filesystem::is_directory(folder / "mav0")) return folder / "mav0";

@@ -1,11 +1,12 @@
 #include "shared/dataset/fault_injector.hpp"
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 
 #include <opencv2/core.hpp>
+
+#include "shared/core/uniform.hpp"
 
 namespace fleetloc {
 namespace {
@@ -29,15 +30,6 @@ constexpr bool is_of_images(FaultKind kind) {
 
 constexpr bool has_share(FaultKind kind) {
   return kind >= FaultKind::kDroppedFrames && kind != FaultKind::kImuGap;
-}
-
-// [0, 1), the same with every standard library, unlike its distributions.
-double uniform(std::mt19937_64& random) {
-  return std::ldexp(static_cast<double>(random() >> 11U), -53);
-}
-
-Duration from_seconds(double seconds) {
-  return Duration(std::llround(seconds * 1e9));
 }
 
 FaultKind kind_named(const std::string& text, const std::string& origin) {

@@ -1,9 +1,10 @@
 #include "shared/link/link_model.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
+
+#include "shared/core/uniform.hpp"
 
 namespace fleetloc {
 namespace {
@@ -12,15 +13,6 @@ constexpr double kLargestDelaySeconds = 3600.0;
 constexpr double kLargestRateBytesPerSecond = 1e12;
 constexpr int kLeastQueueBytes = 1500;  // one datagram of Ethernet
 constexpr int kLargestQueueBytes = 1 << 30;
-
-Duration from_seconds(double seconds) {
-  return Duration(std::llround(seconds * 1e9));
-}
-
-// [0, 1), the same with every standard library, unlike its distributions.
-double uniform(std::mt19937_64& random) {
-  return std::ldexp(static_cast<double>(random() >> 11U), -53);
-}
 
 // Reads the directions of a link, and names them in its errors.
 class DirectionReader {

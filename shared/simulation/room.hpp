@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "shared/core/counter_random.hpp"
 #include "shared/geometry/pose.hpp"
-#include "shared/simulation/counter_random.hpp"
 
 namespace fleetloc {
 

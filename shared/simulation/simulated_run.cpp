@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "shared/simulation/counter_random.hpp"
+#include "shared/core/counter_random.hpp"
 
 namespace fleetloc {
 namespace {

@@ -76,8 +76,7 @@ class InterruptibleSystem {
 
   /// Plays everything up to `seconds`.
   void play(double seconds) {
-    const auto end =
-        Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+    const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
       const PoseEstimate pose = pipeline_.add_imu(sample).value();
       client_.set_quality(pose.quality);

@@ -19,7 +19,7 @@ LocalizerChoice::Config config() {
 }
 
 Timestamp at(double s) {
-  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s))};
+  return Timestamp{from_seconds(s)};
 }
 
 class LocalizerChoiceTest : public testing::Test {

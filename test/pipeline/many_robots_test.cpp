@@ -15,7 +15,7 @@ namespace fleetloc {
 namespace {
 
 Timestamp at(double s) {
-  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s))};
+  return Timestamp{from_seconds(s)};
 }
 
 RobotSession session_of(const RobotId& robot, double start_s = 1.0) {

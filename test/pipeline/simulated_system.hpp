@@ -69,8 +69,7 @@ class SimulatedSystem {
 
   /// Plays everything up to `seconds`.
   void play(double seconds) {
-    const auto end =
-        Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+    const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
       pipeline_.add_imu(sample);
       cloud_.advance(sample.stamp);

@@ -31,7 +31,7 @@ std::filesystem::path recordings() {
 Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
   const auto file = dataset / "mav0" / "cam0" / "data.csv";
   std::ifstream stream(file);
-  const auto skipped = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(start_s));
+  const auto skipped = from_seconds(start_s);
   std::optional<Timestamp> first;
   for (std::string line; std::getline(stream, line);) {
     if (line.empty() || line.front() == '#') continue;

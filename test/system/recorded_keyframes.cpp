@@ -10,10 +10,10 @@
 #include "cloud/laser_map/build_map.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 #include "shared/config/default_config.hpp"
+#include "shared/core/counter_random.hpp"
 #include "shared/dataset/dataset_reader.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/pointcloud/point_cloud_file.hpp"
-#include "shared/simulation/counter_random.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {

@@ -15,10 +15,6 @@ namespace {
 constexpr Duration kMaxGap = std::chrono::milliseconds(100);  // of the ground truth
 constexpr double kFramePeriod = 0.05;                         // [s]
 
-Duration from_seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 std::optional<double> speed_at(const Trajectory& truth, Timestamp stamp) {
   constexpr double kHalf = 0.1;  // [s]
   const auto before = interpolate(truth, stamp - from_seconds(kHalf), kMaxGap);

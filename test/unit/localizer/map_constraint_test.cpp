@@ -11,8 +11,8 @@
 #include "cloud/localizer/map_association.hpp"
 #include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/tilt_factor.hpp"
+#include "shared/core/counter_random.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/simulation/counter_random.hpp"
 #include "simulated_session.hpp"
 
 namespace fleetloc {

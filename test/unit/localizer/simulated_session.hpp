@@ -7,9 +7,9 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "shared/core/counter_random.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
-#include "shared/simulation/counter_random.hpp"
 #include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {

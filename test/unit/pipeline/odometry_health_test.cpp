@@ -16,7 +16,7 @@ constexpr OdometryHealth::Config kConfig{.max_blind_s = 3.0,
                                          .max_accelerometer_bias = 1.5};
 
 Timestamp at(double seconds) {
-  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+  return Timestamp{from_seconds(seconds)};
 }
 
 WindowEstimate healthy_window() {

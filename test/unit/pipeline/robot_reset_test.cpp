@@ -106,8 +106,7 @@ class RobotReset : public testing::Test {
 
   /// Plays everything up to `seconds`, IMU and frames as `spoil_imu` and `spoil` leave them.
   void play(double seconds) {
-    const auto end =
-        Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds))};
+    const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
       if (const auto pose = pipeline_.add_imu(spoil_imu(sample))) pipeline_.poll(pose->stamp);
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {

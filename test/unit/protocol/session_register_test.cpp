@@ -8,7 +8,7 @@ namespace {
 using enum SessionVerdict;
 
 Timestamp at(double s) {
-  return Timestamp{std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s))};
+  return Timestamp{from_seconds(s)};
 }
 
 RobotSession session(double start_s, std::uint32_t number, const RobotId& robot = "robot") {

@@ -15,13 +15,11 @@
 namespace fleetloc {
 
 inline Timestamp at(double seconds) {
-  const std::chrono::duration<double> since_start(seconds);
-  return Timestamp(std::chrono::seconds(1'403'715'274)) +
-         std::chrono::duration_cast<Duration>(since_start);
+  return Timestamp(std::chrono::seconds(1'403'715'274)) + from_seconds(seconds);
 }
 
 inline Duration lasting(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+  return from_seconds(seconds);
 }
 
 /// A pose of odometry; one in the map as well where `quality` says that there is one.
