@@ -330,7 +330,7 @@ void SessionLocalizer::store(const PoseBelief& result) {
 std::size_t SessionLocalizer::memory_bytes() const {
   const auto observations = static_cast<std::size_t>(problem_.observations());
   return sizeof(*this) + database_.memory_bytes() + observations * kBytesPerObservation +
-         database_.landmarks().size() * kBytesPerLandmark;
+         database_.landmarks().size() * kBytesPerLandmark + (system_ ? system_->memory_bytes() : 0);
 }
 
 }  // namespace fleetloc

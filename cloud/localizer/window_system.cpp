@@ -19,4 +19,12 @@ std::optional<Matrix6d> WindowSystem::covariance_of_newest() const {
   return covariance;
 }
 
+std::size_t WindowSystem::memory_bytes() const {
+  const auto elements = static_cast<std::size_t>(cholesky.matrixLLT().size() + H_robot.size());
+  std::size_t couplings = 0;
+  for (const Landmark& landmark : landmarks) couplings += landmark.equations.couplings.capacity();
+  return elements * sizeof(double) + T_map_body.capacity() * sizeof(Pose) +
+         landmarks.capacity() * sizeof(Landmark) + couplings * sizeof(PointEquations::Coupling);
+}
+
 }  // namespace fleetloc

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct WindowSystem {
 
   /// Of the newest keyframe's pose, right perturbation.
   [[nodiscard]] std::optional<Matrix6d> covariance_of_newest() const;
+
+  [[nodiscard]] std::size_t memory_bytes() const;
 };
 
 /// (L L^T)^-1, of which the last `size` rows and columns.

@@ -14,6 +14,10 @@ namespace {
 // Initializations look back less far than this.
 constexpr Duration kDeadReckonedFor = std::chrono::seconds(30);
 
+Duration longest_imu_step(const RobotPipeline::Config& config) {
+  return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
+}
+
 }  // namespace
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -27,7 +31,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       back_end_(back_end),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
-      gate_(from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s)),
+      gate_(longest_imu_step(config)),
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),

@@ -36,19 +36,7 @@ class SeverableChannel final : public Channel {
 class InterruptibleSystem {
  public:
   InterruptibleSystem(const SimulatedRun& run, const Pose& T_map_body_start)
-      : run_(run),
-        robot_end_(network_.join_robot("robot")),
-        client_("robot", robot_end_, read_cloud_client_config(defaults().section("client"))),
-        back_end_(
-            KeyframeWorker(run.stereo(), run.noise(), read_keyframe_worker_config(defaults()), {}),
-            std::chrono::milliseconds(50)),
-        pipeline_({.id = "robot",
-                   .calibration = ideal_cameras(run.stereo()),
-                   .imu_noise = run.noise(),
-                   .T_map_body = T_map_body_start},
-                  read_robot_pipeline_config(defaults()),
-                  back_end_,
-                  &client_) {}
+      : robot_end_(network_.join_robot("robot")), robot_(run, robot_end_, T_map_body_start) {}
 
   /// @param config  YAML that differs from the defaults
   void start(const std::string& name,
@@ -76,30 +64,15 @@ class InterruptibleSystem {
 
   /// Plays everything up to `seconds`.
   void play(double seconds) {
-    const auto end = Timestamp{from_seconds(seconds)};
-    for (const ImuSample& sample : run_.imu(played_, end)) {
-      const PoseEstimate pose = pipeline_.add_imu(sample).value();
-      client_.set_quality(pose.quality);
-      for (auto& [name, localizer] : localizers_) advance(name, localizer, sample.stamp);
-      pipeline_.poll(sample.stamp);
-      while (run_.frame_stamp(next_frame_) <= sample.stamp) {
-        pipeline_.add_tracks(run_.frame(next_frame_++));
-      }
-      for (FrameOutput& frame : pipeline_.take_frames()) frames.push_back(std::move(frame));
-      for (AnswerOutput& answer : pipeline_.take_answers()) answers.push_back(std::move(answer));
-      for (std::string& event : client_.take_events()) events.push_back(std::move(event));
-    }
-    played_ = end + Duration(1);
+    robot_.play(seconds, [this](Timestamp now) {
+      for (auto& [name, localizer] : localizers_) advance(name, localizer, now);
+    });
   }
 
-  [[nodiscard]] const CloudClient& client() const { return client_; }
+  [[nodiscard]] const SimulatedRobot& robot() const { return robot_; }
   [[nodiscard]] const LocalizerPool& pool(const std::string& name) const {
     return localizers_.at(name).cloud->pool();
   }
-
-  std::vector<FrameOutput> frames;
-  std::vector<AnswerOutput> answers;
-  std::vector<std::string> events;
 
  private:
   struct Localizer {
@@ -123,15 +96,10 @@ class InterruptibleSystem {
     localizer.end->send("", {Topic::kLocalizerStatus, encode(status)}, now);
   }
 
-  const SimulatedRun& run_;
   MemoryNetwork network_{perfect_link()};
   SeverableChannel robot_end_;
   std::map<std::string, Localizer> localizers_;
-  CloudClient client_;
-  SimulatedBackEnd back_end_;
-  RobotPipeline pipeline_;
-  Timestamp played_;
-  int next_frame_ = 0;
+  SimulatedRobot robot_;  // last: it uses its end of the network
 };
 
 }  // namespace fleetloc

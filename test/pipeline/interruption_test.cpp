@@ -15,20 +15,10 @@ using testing::HasSubstr;
 
 constexpr double kSoonSeconds = 5.0;
 
-SimulatedRun::Config flight() {
-  SimulatedRun::Config config;
-  config.imu_white_noise = true;
-  config.imu_bias_walk = true;
-  config.initial_bias = {{0.01, -0.02, 0.03}, {0.05, -0.03, 0.02}};
-  config.pixel_sigma = 0.3;
-  config.rest_s = 1.0;
-  return config;
-}
-
 class Interruption : public testing::Test {
  protected:
   static const SimulatedRun& run() {
-    static const SimulatedRun run(flight());
+    static const SimulatedRun run(noisy_flight());
     return run;
   }
   static std::shared_ptr<const LaserMap> map() {
@@ -51,20 +41,21 @@ class Interruption : public testing::Test {
   }
 
   [[nodiscard]] double first_applied_after(double since_s) const {
-    for (const AnswerOutput& answer : system_.answers) {
+    for (const AnswerOutput& answer : system_.robot().answers) {
       const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
       if (answer.applied && arrival_s > since_s) return arrival_s;
     }
     return INFINITY;
   }
   [[nodiscard]] int applied_between(double from_s, double to_s) const {
-    return static_cast<int>(std::ranges::count_if(system_.answers, [&](const AnswerOutput& answer) {
-      const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
-      return answer.applied && arrival_s > from_s && arrival_s <= to_s;
-    }));
+    return static_cast<int>(
+        std::ranges::count_if(system_.robot().answers, [&](const AnswerOutput& answer) {
+          const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
+          return answer.applied && arrival_s > from_s && arrival_s <= to_s;
+        }));
   }
   [[nodiscard]] Quality quality_at(double s) const {
-    const auto frame = std::ranges::find_if(system_.frames, [&](const FrameOutput& output) {
+    const auto frame = std::ranges::find_if(system_.robot().frames, [&](const FrameOutput& output) {
       return to_seconds(output.stamp.time_since_epoch()) >= s - 1e-6;
     });
     return frame->pose.quality;
@@ -73,7 +64,7 @@ class Interruption : public testing::Test {
   void expect_poses_throughout() const {
     bool has_odom = false;
     bool has_map = false;
-    for (const FrameOutput& frame : system_.frames) {
+    for (const FrameOutput& frame : system_.robot().frames) {
       const bool odom = frame.pose.quality != Quality::kInitializing;
       const bool in_map = frame.pose.T_map_body.has_value();
       const double s = to_seconds(frame.stamp.time_since_epoch());
@@ -95,11 +86,11 @@ class Interruption : public testing::Test {
 TEST_F(Interruption, NoLocalizerAtTheStart) {
   system_.play(8.0);
   EXPECT_EQ(quality_at(7.9), Quality::kLost);
-  EXPECT_EQ(system_.client().statistics().localizer, "");
+  EXPECT_EQ(system_.robot().client().statistics().localizer, "");
   system_.start("a", 1, map());
   system_.play(13.0);
   EXPECT_LT(first_applied_after(8.0), 8.0 + kSoonSeconds);
-  EXPECT_EQ(system_.frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
   expect_poses_throughout();
 }
 
@@ -114,10 +105,10 @@ TEST_F(Interruption, ALocalizerThatDiesForTenSeconds) {
   system_.start("a", 2, map());
   system_.play(23.0);
   EXPECT_LT(first_applied_after(18.0), 18.0 + kSoonSeconds);
-  EXPECT_EQ(system_.answers.back().answer.epoch, Epoch{2});
-  EXPECT_EQ(system_.frames.back().pose.quality, Quality::kLocalized);
-  EXPECT_THAT(system_.events, Contains(HasSubstr("restarted")));
-  EXPECT_LT(system_.client().statistics().loss, 0.5) << "numbers of the new epoch";
+  EXPECT_EQ(system_.robot().answers.back().answer.epoch, Epoch{2});
+  EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_THAT(system_.robot().events, Contains(HasSubstr("restarted")));
+  EXPECT_LT(system_.robot().client().statistics().loss, 0.5) << "numbers of the new epoch";
   expect_poses_throughout();
 }
 
@@ -128,9 +119,10 @@ TEST_F(Interruption, ALocalizerThatHangsWhileThereIsAnother) {
   system_.hang("a");
   system_.play(20.0);
   EXPECT_LT(first_applied_after(8.2), 8.0 + kSoonSeconds);
-  EXPECT_EQ(system_.client().statistics().localizer, "b");
-  EXPECT_EQ(system_.client().statistics().localizers_chosen, 2) << "does not go back and forth";
-  EXPECT_EQ(system_.frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_EQ(system_.robot().client().statistics().localizer, "b");
+  EXPECT_EQ(system_.robot().client().statistics().localizers_chosen, 2)
+      << "does not go back and forth";
+  EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
   expect_poses_throughout();
 }
 
@@ -138,10 +130,11 @@ TEST_F(Interruption, ALocalizerThatNeverAnswersUntilThereIsAnother) {
   system_.start("a", 1, map());
   system_.hang("a");
   system_.play(8.0);
-  EXPECT_EQ(system_.client().statistics().localizer, "a");
-  EXPECT_TRUE(system_.answers.empty());
+  EXPECT_EQ(system_.robot().client().statistics().localizer, "a");
+  EXPECT_TRUE(system_.robot().answers.empty());
   EXPECT_EQ(quality_at(7.9), Quality::kLost);
-  EXPECT_THAT(system_.events, Contains(HasSubstr("a does not answer, and there is no other")));
+  EXPECT_THAT(system_.robot().events,
+              Contains(HasSubstr("a does not answer, and there is no other")));
   system_.start("b", 1, map());
   system_.play(13.0);
   EXPECT_LT(first_applied_after(8.0), 8.0 + kSoonSeconds);
@@ -158,7 +151,7 @@ TEST_F(Interruption, NoNetworkForAMinute) {
   system_.cut(false);
   system_.play(73.0);
   EXPECT_LT(first_applied_after(68.0), 68.0 + kSoonSeconds);
-  EXPECT_EQ(system_.frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
   expect_poses_throughout();
 }
 
@@ -171,12 +164,13 @@ TEST_F(Interruption, ACloudThatIsRestartedWithAnotherMap) {
   system_.play(18.0);
   EXPECT_EQ(applied_between(8.2, 18.0), 0);
   EXPECT_EQ(quality_at(17.9), Quality::kDeadReckoning);
-  EXPECT_EQ(system_.client().statistics().localizer, "");
-  EXPECT_THAT(system_.events, Contains(HasSubstr("localizer a is refused: it has another map")));
+  EXPECT_EQ(system_.robot().client().statistics().localizer, "");
+  EXPECT_THAT(system_.robot().events,
+              Contains(HasSubstr("localizer a is refused: it has another map")));
   system_.start("a", 3, map());
   system_.play(23.0);
   EXPECT_LT(first_applied_after(18.0), 18.0 + kSoonSeconds);
-  EXPECT_EQ(system_.frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
   expect_poses_throughout();
 }
 
@@ -188,7 +182,7 @@ TEST_F(Interruption, ALocalizerThatHasForgottenTheSessionAsksForIt) {
   EXPECT_EQ(system_.pool("a").sessions(), 0);
   system_.cut(false);
   system_.play(16.0);
-  EXPECT_GT(system_.client().statistics().sessions_requested, 0);
+  EXPECT_GT(system_.robot().client().statistics().sessions_requested, 0);
   EXPECT_LT(first_applied_after(11.0), 11.0 + kSoonSeconds);
   expect_poses_throughout();
 }

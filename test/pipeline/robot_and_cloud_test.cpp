@@ -10,16 +10,6 @@
 namespace fleetloc {
 namespace {
 
-SimulatedRun::Config flight() {
-  SimulatedRun::Config config;
-  config.imu_white_noise = true;
-  config.imu_bias_walk = true;
-  config.initial_bias = {{0.01, -0.02, 0.03}, {0.05, -0.03, 0.02}};
-  config.pixel_sigma = 0.3;
-  config.rest_s = 1.0;
-  return config;
-}
-
 /// The truth at the start, displaced by 0.3 m and 3 degrees of yaw.
 Pose disturbed_start(const SimulatedRun& run) {
   const Pose yaw{exp_so3(Eigen::Vector3d(0.0, 0.0, 3.0 * M_PI / 180.0)), {}};
@@ -32,7 +22,7 @@ Pose disturbed_start(const SimulatedRun& run) {
 class RobotAndCloud : public testing::Test {
  protected:
   static const SimulatedRun& run() {
-    static const SimulatedRun run(flight());
+    static const SimulatedRun run(noisy_flight());
     return run;
   }
   static std::shared_ptr<const LaserMap> map() {
@@ -56,12 +46,12 @@ class RobotAndCloud : public testing::Test {
 TEST_F(RobotAndCloud, LocalizeOverAPerfectLink) {
   SimulatedSystem system(run(), map(), perfect_link(), disturbed_start(run()));
   system.play(15.0);
-  const auto applied = std::ranges::count_if(system.answers, &AnswerOutput::applied);
+  const auto applied = std::ranges::count_if(system.robot().answers, &AnswerOutput::applied);
   EXPECT_GT(applied, 10);
-  const double error = median_error(system.frames);
+  const double error = median_error(system.robot().frames);
   RecordProperty("median_error_mm", static_cast<int>(1e3 * error));
   EXPECT_LT(error, 0.03);
-  EXPECT_EQ(system.frames.back().pose.quality, Quality::kLocalized);
+  EXPECT_EQ(system.robot().frames.back().pose.quality, Quality::kLocalized);
 }
 
 TEST_F(RobotAndCloud, LocalizeThoughHalfOfTheDatagramsAreLost) {
@@ -72,10 +62,10 @@ TEST_F(RobotAndCloud, LocalizeThoughHalfOfTheDatagramsAreLost) {
   link.downlink.delay_s = 0.2;
   SimulatedSystem system(run(), map(), link, disturbed_start(run()));
   system.play(15.0);
-  EXPECT_LT(median_error(system.frames), 0.05);
-  EXPECT_GT(system.client().statistics().loss, 0.0);
-  ASSERT_TRUE(system.client().statistics().round_trip.has_value());
-  EXPECT_GE(to_seconds(*system.client().statistics().round_trip), 0.4);
+  EXPECT_LT(median_error(system.robot().frames), 0.05);
+  EXPECT_GT(system.robot().client().statistics().loss, 0.0);
+  ASSERT_TRUE(system.robot().client().statistics().round_trip.has_value());
+  EXPECT_GE(to_seconds(*system.robot().client().statistics().round_trip), 0.4);
 }
 
 TEST_F(RobotAndCloud, OdometryGoesOnWithoutACloud) {
@@ -83,11 +73,11 @@ TEST_F(RobotAndCloud, OdometryGoesOnWithoutACloud) {
   link.downlink.loss = 1.0;  // no localizer is ever heard of
   SimulatedSystem system(run(), map(), link, disturbed_start(run()));
   system.play(6.0);
-  EXPECT_TRUE(system.answers.empty());
-  EXPECT_EQ(system.client().statistics().submaps_sent, 0);
-  EXPECT_GT(system.client().statistics().submaps_without_localizer, 0);
-  EXPECT_EQ(system.frames.back().pose.quality, Quality::kLost);
-  EXPECT_FALSE(system.frames.back().pose.T_map_body.has_value());
+  EXPECT_TRUE(system.robot().answers.empty());
+  EXPECT_EQ(system.robot().client().statistics().submaps_sent, 0);
+  EXPECT_GT(system.robot().client().statistics().submaps_without_localizer, 0);
+  EXPECT_EQ(system.robot().frames.back().pose.quality, Quality::kLost);
+  EXPECT_FALSE(system.robot().frames.back().pose.T_map_body.has_value());
 }
 
 TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {
@@ -96,10 +86,10 @@ TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {
   first.play(6.0);
   second.play(3.0);
   second.play(6.0);
-  ASSERT_EQ(first.frames.size(), second.frames.size());
-  for (std::size_t i = 0; i < first.frames.size(); ++i) {
-    const PoseEstimate& a = first.frames[i].pose;
-    const PoseEstimate& b = second.frames[i].pose;
+  ASSERT_EQ(first.robot().frames.size(), second.robot().frames.size());
+  for (std::size_t i = 0; i < first.robot().frames.size(); ++i) {
+    const PoseEstimate& a = first.robot().frames[i].pose;
+    const PoseEstimate& b = second.robot().frames[i].pose;
     EXPECT_EQ(a.T_odom_body.p, b.T_odom_body.p) << i;
     EXPECT_EQ(a.T_map_body.has_value(), b.T_map_body.has_value()) << i;
     if (a.T_map_body && b.T_map_body) {

@@ -8,9 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/pipeline/robot_pipeline.hpp"
-#include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
-#include "shared/simulation/simulated_run.hpp"
+#include "test/simulated_setup.hpp"
 
 namespace fleetloc {
 namespace {
@@ -56,34 +54,6 @@ class TruthfulLocalizer final : public MapLocalizer {
   const SimulatedRun& run_;
   std::vector<Answer> answers_;
 };
-
-ConfigReader defaults() {
-  return ConfigReader::from_string(std::string(default_config("robot")), "defaults");
-}
-
-StereoCalibration ideal_cameras(const RectifiedStereo& stereo) {
-  Camera camera{.width_px = 752,
-                .height_px = 480,
-                .focal_px = {stereo.focal_px, stereo.focal_px},
-                .center_px = {376.0, 240.0}};
-  StereoCalibration calibration{.cam0 = camera,
-                                .cam1 = camera,
-                                .T_body_cam0 = stereo.T_body_cam0,
-                                .T_body_cam1 = stereo.T_body_cam0};
-  calibration.T_body_cam1 =
-      stereo.T_body_cam0 * Pose{Eigen::Quaterniond::Identity(), {stereo.baseline_m, 0.0, 0.0}};
-  return calibration;
-}
-
-SimulatedRun::Config flight() {
-  SimulatedRun::Config config;
-  config.imu_white_noise = true;
-  config.imu_bias_walk = true;
-  config.initial_bias = {{0.01, -0.02, 0.03}, {0.05, -0.03, 0.02}};
-  config.pixel_sigma = 0.3;
-  config.rest_s = 1.0;
-  return config;
-}
 
 double second_of(Timestamp stamp) {
   return to_seconds(stamp - Timestamp{});
@@ -154,7 +124,7 @@ class RobotReset : public testing::Test {
 
   std::function<ImuSample(ImuSample)> spoil_imu = [](const ImuSample& sample) { return sample; };
   std::function<void(TrackedFrame&)> spoil = [](TrackedFrame&) {};
-  const SimulatedRun run_{flight()};
+  const SimulatedRun run_{noisy_flight()};
   TruthfulLocalizer localizer_{run_};
   SimulatedBackEnd back_end_;
   RobotPipeline pipeline_;

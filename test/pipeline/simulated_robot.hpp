@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robot/cloud_client/cloud_client.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "test/simulated_setup.hpp"
+
+namespace fleetloc {
+
+/// A robot in simulated time and on simulated tracks, with what it puts out.
+class SimulatedRobot {
+ public:
+  SimulatedRobot(const SimulatedRun& run, Channel& channel, const Pose& T_map_body_start)
+      : run_(run),
+        client_("robot", channel, read_cloud_client_config(defaults().section("client"))),
+        back_end_(
+            KeyframeWorker(run.stereo(), run.noise(), read_keyframe_worker_config(defaults()), {}),
+            std::chrono::milliseconds(50)),
+        pipeline_({.id = "robot",
+                   .calibration = ideal_cameras(run.stereo()),
+                   .imu_noise = run.noise(),
+                   .T_map_body = T_map_body_start},
+                  read_robot_pipeline_config(defaults()),
+                  back_end_,
+                  &client_) {}
+
+  /// Plays everything up to `seconds`, and calls `advance` with each stamp of the IMU in between.
+  void play(double seconds, const std::function<void(Timestamp)>& advance) {
+    const auto end = Timestamp{from_seconds(seconds)};
+    for (const ImuSample& sample : run_.imu(played_, end)) {
+      client_.set_quality(pipeline_.add_imu(sample).value().quality);
+      advance(sample.stamp);
+      pipeline_.poll(sample.stamp);
+      while (run_.frame_stamp(next_frame_) <= sample.stamp) {
+        pipeline_.add_tracks(run_.frame(next_frame_++));
+      }
+      for (FrameOutput& frame : pipeline_.take_frames()) frames.push_back(std::move(frame));
+      for (AnswerOutput& answer : pipeline_.take_answers()) answers.push_back(std::move(answer));
+      for (std::string& event : client_.take_events()) events.push_back(std::move(event));
+    }
+    played_ = end + Duration(1);
+  }
+
+  [[nodiscard]] const CloudClient& client() const { return client_; }
+
+  std::vector<FrameOutput> frames;
+  std::vector<AnswerOutput> answers;
+  std::vector<std::string> events;
+
+ private:
+  const SimulatedRun& run_;
+  CloudClient client_;
+  SimulatedBackEnd back_end_;
+  RobotPipeline pipeline_;
+  Timestamp played_;
+  int next_frame_ = 0;
+};
+
+}  // namespace fleetloc
