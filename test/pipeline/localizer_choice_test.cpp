@@ -141,11 +141,12 @@ TEST_F(LocalizerChoiceTest, BelievesALowerEpochOnceTheHigherOneIsSilent) {
 
 TEST_F(LocalizerChoiceTest, NamesTwoLiveLocalizersWithOneNameAndKeepsTheLaterOne) {
   std::set<std::string_view> reasons;
-  for (double s = 0.0; s < 20.0; s += 1.0) {
+  for (int second = 0; second < 20; ++second) {
+    const double s = second;
     EXPECT_FALSE(choice_.hear(status("a", {.epoch = 5}), at(s)));
     const auto reason = choice_.hear(status("a", {.epoch = 4}), at(s + 0.5));
     ASSERT_TRUE(reason.has_value());
-    EXPECT_EQ(*reason, s == 0.0 ? "outdated_localizer" : "conflicting_localizer");
+    EXPECT_EQ(*reason, second == 0 ? "outdated_localizer" : "conflicting_localizer");
     choice_.decide(at(s + 0.6), {});
     EXPECT_EQ(choice_.epoch(), Epoch{5});
   }
@@ -183,9 +184,9 @@ TEST_F(LocalizerChoiceTest, DoesNotMoveForALoadThatChangesAllTheTime) {
   localizers_["a"] = {.load = 0.95};
   play(5.0);
   localizers_["b"] = {.load = 0.2};
-  for (double s = 10.0; s < 300.0; s += 10.0) {
+  for (int second = 10; second < 300; second += 10) {
     std::swap(localizers_["a"].load, localizers_["b"].load);
-    play(s);
+    play(second);
   }
   EXPECT_EQ(changes_.size(), 1);
 }
