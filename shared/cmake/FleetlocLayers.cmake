@@ -12,7 +12,8 @@ set(FLEETLOC_LAYERS
     "robot/node cloud/node deploy/tools")
 
 # Third-party headers that only one library may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport" "fastcdr/=shared/wire" "pcl/=shared/pointcloud")
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport" "fastcdr/=shared/wire" "pcl/=shared/pointcloud"
+    "embree3/=shared/world")
 
 function(fleetloc_layer_of folder out)
   set(index 0)
