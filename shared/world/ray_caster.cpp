@@ -40,7 +40,7 @@ void expect_well_formed(const Mesh& mesh) {
 }
 
 RTCIntersectContext coherent_context() {
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   return context;
@@ -71,7 +71,7 @@ void copy(const RayPacket::Lanes<T>& from, T* to) {
 }
 
 RTCRay8 packet(const RayPacket& rays) {
-  RTCRay8 packet;
+  RTCRay8 packet{};
   copy(rays.origin_x, packet.org_x);
   copy(rays.origin_y, packet.org_y);
   copy(rays.origin_z, packet.org_z);
@@ -107,7 +107,6 @@ struct RayCaster::Triangles {
 RayCaster::Triangles::Triangles(const Mesh& mesh) : surfaces(mesh.surfaces) {
   expect_well_formed(mesh);
   scene = rtcNewScene(device());
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips through between two triangles
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
   if (!mesh.triangles.empty()) {
     auto* to_vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry,
@@ -128,8 +127,9 @@ RayCaster::Triangles::Triangles(const Mesh& mesh) : surfaces(mesh.surfaces) {
       rtcReleaseScene(scene);
       throw std::runtime_error("Embree: no memory for the mesh");
     }
-    for (const Eigen::Vector3f& v : mesh.vertices)
+    for (const Eigen::Vector3f& v : mesh.vertices) {
       to_vertices = std::copy_n(v.data(), 3, to_vertices);
+    }
     for (const auto& t : mesh.triangles) to_triangles = std::copy_n(t.data(), 3, to_triangles);
     vertices = to_vertices - 3 * mesh.vertices.size();
     triangles = to_triangles - 3 * mesh.triangles.size();
@@ -147,7 +147,8 @@ RayCaster::Triangles::Triangles(const Mesh& mesh) : surfaces(mesh.surfaces) {
 std::array<Eigen::Vector3f, 3> RayCaster::Triangles::corners(std::uint32_t triangle) const {
   std::array<Eigen::Vector3f, 3> corners;
   for (std::size_t i = 0; i < 3; ++i) {
-    corners[i] = Eigen::Map<const Eigen::Vector3f>(vertices + 3 * triangles[3 * triangle + i]);
+    const std::size_t vertex = triangles[3 * std::size_t{triangle} + i];
+    corners.at(i) = Eigen::Map<const Eigen::Vector3f>(vertices + 3 * vertex);
   }
   return corners;
 }
@@ -162,7 +163,7 @@ RayCaster RayCaster::with(const Mesh& moving) const {
 }
 
 std::optional<Hit> RayCaster::first_hit(const Ray& ray, float most_m) const {
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   std::optional<Hit> first;
   for (const Triangles* triangles : {fixed_.get(), moving_.get()}) {
@@ -185,9 +186,9 @@ std::optional<Hit> RayCaster::first_hit(const Ray& ray, float most_m) const {
 HitPacket RayCaster::first_hits(const RayPacket& rays) const {
   RTCIntersectContext context = coherent_context();
   const auto valid = valid_lanes(rays);
-  HitPacket hits;
+  HitPacket hits{};
   hits.distance_m.fill(HitPacket::kNone);
-  RTCRayHit8 query;
+  RTCRayHit8 query{};
   query.ray = packet(rays);
   for (const Triangles* triangles : {fixed_.get(), moving_.get()}) {
     if (triangles == nullptr) continue;
@@ -210,7 +211,7 @@ HitPacket RayCaster::first_hits(const RayPacket& rays) const {
 }
 
 bool RayCaster::occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f& to_map) const {
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   const Eigen::Vector3f way = to_map - from_map;
   const float distance = way.norm();
@@ -229,6 +230,7 @@ bool RayCaster::occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f&
 std::uint32_t RayCaster::occluded(const RayPacket& rays) const {
   RTCIntersectContext context = coherent_context();
   const auto valid = valid_lanes(rays);
+  if (std::all_of(valid.begin(), valid.end(), [](int lane) { return lane == 0; })) return 0;
   std::uint32_t bits = 0;
   for (const Triangles* triangles : {fixed_.get(), moving_.get()}) {
     if (triangles == nullptr) continue;
@@ -262,7 +264,7 @@ bool RayCaster::has_surface_within(const Eigen::Vector3f& p_map, float radius_m)
     if (triangles == nullptr || triangles->surfaces.empty()) continue;
     Query query{.triangles = triangles, .p = p_map, .radius = radius_m};
     RTCPointQuery sphere{p_map.x(), p_map.y(), p_map.z(), 0.0F, radius_m};
-    RTCPointQueryContext context;
+    RTCPointQueryContext context{};
     rtcInitPointQueryContext(&context);
     rtcPointQuery(triangles->scene, &sphere, &context, check, &query);
     if (query.found) return true;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "shared/world/route_field.hpp"
+#include "shared/world/scene_config.hpp"
+#include "shared/world/shapes.hpp"
+
+namespace fleetloc {
+
+/// The ground about a route: `body_height_m` below it, smoothly on to hills beside it.
+class Ground {
+ public:
+  Ground(const RouteField& route, const SceneConfig& config, std::uint64_t seed);
+
+  /// In map [m]; defined within the strip about the route, level with its nearest point beyond.
+  [[nodiscard]] float height(const Eigen::Vector2f& p) const;
+
+  /// Its surfaces are the paving, the verge and the grass, see GroundSurface.
+  [[nodiscard]] Thing thing() const;
+
+ private:
+  const RouteField* route_;
+  const SceneConfig* config_;
+  std::uint32_t seed_;
+};
+
+enum GroundSurface : std::uint32_t { kPath, kVerge, kGrass };
+
+}  // namespace fleetloc

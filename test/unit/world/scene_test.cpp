@@ -1,0 +1,165 @@
+#include "shared/world/scene.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "shared/world/session_scene.hpp"
+#include "test/unit/world/campus.hpp"
+
+namespace fleetloc {
+namespace {
+
+using testing::HasSubstr;
+
+class Campus : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    world = new WorldConfig(campus());
+    scene = new Scene(build_scene(world->scene, eight(), 1));
+  }
+  static void TearDownTestSuite() {
+    delete scene;
+    delete world;
+  }
+  static std::vector<const Thing*> standing_things() {
+    std::vector<const Thing*> things;
+    for (const auto* list : {&scene->buildings, &scene->furniture, &scene->leaves}) {
+      for (const Thing& thing : *list) things.push_back(&thing);
+    }
+    for (const auto* slots : {&scene->cars, &scene->structures}) {
+      for (const Slot& slot : *slots) {
+        for (const Thing& thing : slot.variants) things.push_back(&thing);
+      }
+    }
+    return things;
+  }
+  static WorldConfig* world;
+  static Scene* scene;
+};
+WorldConfig* Campus::world = nullptr;
+Scene* Campus::scene = nullptr;
+
+TEST_F(Campus, NothingStandsNearARouteThatCrossesItself) {
+  const float clearance = world->scene.clearance_m;
+  float nearest = 100.0F;
+  for (const Thing* thing : standing_things()) {
+    for (const auto& vertex : thing->mesh.vertices) {
+      nearest = std::min(nearest, scene->route->distance(vertex.head<2>(), 20.0F));
+    }
+  }
+  EXPECT_GE(nearest, clearance);
+  EXPECT_LE(nearest, clearance + 1.0F);  // but things do come near
+}
+
+TEST_F(Campus, TheGroundPassesBelowTheRoute) {
+  Mesh mesh;
+  std::vector<Surface> surfaces;
+  append(scene->ground, mesh, surfaces);
+  const RayCaster ground(mesh);
+  for (const Eigen::Vector3f& p : scene->route->points()) {
+    const auto hit = ground.first_hit({p, {0.0F, 0.0F, -1.0F}}, 10.0F);
+    ASSERT_TRUE(hit) << p.transpose();
+    EXPECT_NEAR(hit->distance_m, world->scene.body_height_m, 0.1F) << p.transpose();
+  }
+}
+
+TEST_F(Campus, HasBuildingsTreesAndPlacesOnBothSides) {
+  EXPECT_GE(scene->buildings.size(), 8U);
+  EXPECT_GE(scene->leaves.size(), 20U);
+  EXPECT_GE(scene->cars.size(), 10U);
+  EXPECT_GE(scene->structures.size(), 15U);
+}
+
+TEST_F(Campus, IsTheSameForOneSeedAndAnotherForAnother) {
+  const Scene again = build_scene(world->scene, eight(), 1);
+  const Scene other = build_scene(world->scene, eight(), 2);
+  ASSERT_EQ(again.buildings.size(), scene->buildings.size());
+  EXPECT_EQ(again.buildings[3].mesh.vertices, scene->buildings[3].mesh.vertices);
+  EXPECT_EQ(again.ground.mesh.vertices, scene->ground.mesh.vertices);
+  EXPECT_NE(other.buildings[3].mesh.vertices, scene->buildings[3].mesh.vertices);
+}
+
+TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
+  const SessionScene winter = session_of(*world, *scene, "winter");
+  for (const auto* list : {&scene->buildings, &scene->furniture}) {
+    for (const Thing& thing : *list) {
+      const Eigen::Vector3f& vertex = thing.mesh.vertices[thing.mesh.vertices.size() / 2];
+      EXPECT_TRUE(winter.fixed().has_surface_within(vertex, 1e-3F));
+    }
+  }
+}
+
+TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
+  const SessionScene summer = session_of(*world, *scene, "summer");
+  const SessionScene winter = session_of(*world, *scene, "winter");
+  const auto missing = [](const std::vector<const Thing*>& things, const SessionScene& from) {
+    int count = 0;
+    for (const Thing* thing : things) {
+      const Eigen::Vector3f& vertex = thing->mesh.vertices.front();
+      count += from.fixed().has_surface_within(vertex, 1e-3F) ? 0 : 1;
+    }
+    return count;
+  };
+  std::vector<const Thing*> leaves;
+  for (const Thing& thing : scene->leaves) leaves.push_back(&thing);
+  EXPECT_EQ(missing(leaves, summer), 0);
+  EXPECT_GT(missing(leaves, winter), static_cast<int>(0.8 * static_cast<double>(leaves.size())));
+  std::vector<const Thing*> structures;
+  for (const Slot& slot : scene->structures) structures.push_back(&slot.variants[0]);
+  EXPECT_NE(missing(structures, summer), missing(structures, winter));
+}
+
+TEST_F(Campus, PeopleMoveWithTime) {
+  const SessionScene winter = session_of(*world, *scene, "winter");
+  const SceneView now = winter.at(10.0);
+  const SceneView same = winter.at(10.0);
+  const SceneView later = winter.at(12.0);
+  int moved = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose T = T_map_body_on_eight(i / 400.0);
+    const Ray ray{.origin_map = T.p.cast<float>(),
+                  .direction_map = (T.R * Eigen::Vector3d::UnitZ()).cast<float>()};
+    const auto first = now.caster.first_hit(ray, 100.0F);
+    const auto again = same.caster.first_hit(ray, 100.0F);
+    const auto second = later.caster.first_hit(ray, 100.0F);
+    EXPECT_EQ(first.has_value(), again.has_value());
+    if (first && again) {
+      EXPECT_EQ(first->distance_m, again->distance_m);
+    }
+    moved += first && second && first->distance_m != second->distance_m ? 1 : 0;
+  }
+  EXPECT_GT(moved, 5);
+}
+
+TEST(SceneConfig, RefusesWhatItDoesNotKnow) {
+  const std::string file = std::string(FLEETLOC_SOURCE_DIR) + "/deploy/worlds/campus.yaml";
+  const std::string text = ConfigReader::from_file(file).text();
+  const auto message = [](const std::string& yaml) -> std::string {
+    try {
+      read_world_config(ConfigReader::from_string(yaml, "world.yaml"));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string copy = text;
+    copy.replace(copy.find(from), from.size(), to);
+    return message(copy);
+  };
+  EXPECT_EQ(message(text), "");
+  EXPECT_THAT(changed("clearance_m", "clearance"), HasSubstr("scene.clearance_m: missing"));
+  EXPECT_THAT(changed("survey: summer", "survey: monsoon"), HasSubstr("monsoon"));
+  EXPECT_THAT(changed("survey: summer", "survey: summer\nrain: 1"), HasSubstr("rain: unknown key"));
+  EXPECT_THAT(changed("snow: 0", "snow: 7"), HasSubstr("snow: must be in 0..1"));
+}
+
+TEST(RouteField, RefusesARouteThatIsNone) {
+  EXPECT_THROW(RouteField(std::vector<Eigen::Vector3d>{}), std::invalid_argument);
+  EXPECT_THROW(RouteField(std::vector<Eigen::Vector3d>(5, {1, 2, 3})), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace fleetloc
