@@ -1,6 +1,7 @@
 #include "shared/pointcloud/point_cloud_file.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cctype>
 #include <cstdint>
@@ -180,6 +181,18 @@ void write_pcd(const std::filesystem::path& file,
   stream << header << "DATA binary\n";
   stream.write(reinterpret_cast<const char*>(cloud.data.data()),
                static_cast<std::streamsize>(cloud.data.size()));
+  stream.close();
+  if (!stream) fail(file, "cannot be written");
+}
+
+void write_ply(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
+  static_assert(std::endian::native == std::endian::little);
+  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+  std::ofstream stream(file, std::ios::binary);
+  stream << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
+         << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  stream.write(reinterpret_cast<const char*>(points.data()),
+               static_cast<std::streamsize>(points.size() * sizeof(Eigen::Vector3f)));
   stream.close();
   if (!stream) fail(file, "cannot be written");
 }

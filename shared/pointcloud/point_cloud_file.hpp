@@ -34,4 +34,7 @@ void write_pcd(const std::filesystem::path& file,
                const std::vector<std::string>& fields,
                const PointTable& table);
 
+/// Writes positions [m] to a binary .ply file. Throws PointCloudError.
+void write_ply(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
+
 }  // namespace fleetloc

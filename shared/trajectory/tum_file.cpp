@@ -39,6 +39,24 @@ StampedPose euroc_pose(const DelimitedFile& file) {
           .T_ref_body = {.R = quaternion(file, 4, 5, 6, 7), .p = position(file)}};
 }
 
+/// @param check  told of each pose but the first: the file, the pose before and the stamp
+template <typename Check>
+std::vector<StampedPose> read(const std::filesystem::path& path, const Check& check) {
+  std::vector<StampedPose> poses;
+  try {
+    const bool euroc = path.extension() == ".csv";
+    DelimitedFile file(path, euroc ? ',' : ' ');
+    while (file.next()) {
+      const StampedPose pose = euroc ? euroc_pose(file) : tum_pose(file);
+      if (!poses.empty()) check(file, poses.back(), pose.stamp);
+      poses.push_back(pose);
+    }
+  } catch (const TextFileError& error) {
+    throw TrajectoryFileError(error.what());
+  }
+  return poses;
+}
+
 }  // namespace
 
 std::string stamp_text(Timestamp stamp) {
@@ -58,21 +76,13 @@ void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T) {
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path) {
-  Trajectory trajectory;
-  try {
-    const bool euroc = path.extension() == ".csv";
-    DelimitedFile file(path, euroc ? ',' : ' ');
-    while (file.next()) {
-      const StampedPose pose = euroc ? euroc_pose(file) : tum_pose(file);
-      if (!trajectory.empty() && pose.stamp <= trajectory.back().stamp) {
-        file.fail("the stamp is not later than the one before");
-      }
-      trajectory.push_back(pose);
-    }
-  } catch (const TextFileError& error) {
-    throw TrajectoryFileError(error.what());
-  }
-  return trajectory;
+  return read(path, [](const DelimitedFile& file, const StampedPose& last, Timestamp stamp) {
+    if (stamp <= last.stamp) file.fail("the stamp is not later than the one before");
+  });
+}
+
+std::vector<StampedPose> read_poses_in_any_order(const std::filesystem::path& path) {
+  return read(path, [](const DelimitedFile&, const StampedPose&, Timestamp) {});
 }
 
 }  // namespace fleetloc

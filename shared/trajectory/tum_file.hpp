@@ -4,6 +4,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "shared/trajectory/trajectory.hpp"
 
@@ -26,5 +27,9 @@ void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T_ref_bod
 /// TrajectoryFileError, also if stamps do not increase; a file without poses is an empty
 /// trajectory.
 Trajectory read_trajectory(const std::filesystem::path& path);
+
+/// The same for records whose stamps jitter: they may repeat and go back, and the poses come as
+/// they stand in the file.
+std::vector<StampedPose> read_poses_in_any_order(const std::filesystem::path& path);
 
 }  // namespace fleetloc

@@ -92,5 +92,15 @@ TEST(TumFile, NamesFileAndLineOfWhatIsWrong) {
   EXPECT_THAT(error_of("/nowhere/a.tum"), HasSubstr("/nowhere/a.tum: no such file"));
 }
 
+TEST(TumFile, OfARecordMayHaveStampsThatRepeatAndGoBack) {
+  const auto file =
+      file_with("jittering.tum", "2.0 1 0 0 0 0 0 1\n2.0 2 0 0 0 0 0 1\n1.5 3 0 0 0 0 0 1\n");
+  const auto poses = read_poses_in_any_order(file);
+  ASSERT_EQ(poses.size(), 3U);
+  EXPECT_EQ(poses[1].stamp, poses[0].stamp);
+  EXPECT_EQ(poses[2].T_ref_body.p.x(), 3.0);
+  EXPECT_THAT(error_of(file), HasSubstr("not later"));
+}
+
 }  // namespace
 }  // namespace fleetloc
