@@ -47,7 +47,8 @@ class Replay {
   Replay(const ReplayOptions& options, const ReplayConfig& config)
       : input_(DatasetReader({.folder = options.dataset,
                               .start_s = options.start_s,
-                              .duration_s = options.duration_s}),
+                              .duration_s = options.duration_s,
+                              .tracks = options.tracks}),
                options.faults),
         far_side_(options.map ? std::make_unique<FarSide>(options, config) : nullptr),
         back_end_(KeyframeWorker(rectified(input_.reader().calibration()),
@@ -87,7 +88,7 @@ class Replay {
 std::optional<DatasetReader::Item> Replay::next() {
   const Duration begin = thread_cpu_time();
   auto item = input_.next();
-  if (item && std::holds_alternative<StereoFrame>(*item)) {
+  if (item && std::holds_alternative<CameraFrame>(*item)) {
     recorder_.add_decoding(thread_cpu_time() - begin);
   }
   return item;
@@ -116,7 +117,7 @@ void Replay::run(const std::stop_token& stop) {
       if (const auto* sample = std::get_if<ImuSample>(&*item)) {
         take(*sample);
       } else {
-        pipeline_.add_images(std::move(std::get<StereoFrame>(*item)));
+        pipeline_.add_frame(std::get<CameraFrame>(std::move(*item)));
         progress.show(++frames, input_.reader().frame_count());
       }
     }

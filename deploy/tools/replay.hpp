@@ -31,6 +31,7 @@ struct ReplayConfig {
 struct ReplayOptions {
   std::filesystem::path dataset;
   std::filesystem::path out;
+  bool tracks = false;                       ///< plays the dataset's tracks instead of its images
   std::optional<std::filesystem::path> map;  ///< without: odometry only
   std::optional<Pose> T_map_body;            ///< start pose, at the first image
   double start_s = 0.0;

@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
     app.add_flag("--align-once",
                  options.align_once,
                  "a control: fuse the first answer and dead-reckon after it");
+    app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
     app.add_option("--faults", faults, "YAML: seed, and faults to inject while reading");
     app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
     app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));

@@ -37,7 +37,7 @@ void DatasetPlayer::play(const std::stop_token& stop) {
       auto item = input_.next();
       if (!item) break;
       const Duration cpu = thread_cpu_time() - begin;
-      wait_for(std::visit([](const auto& value) { return value.stamp; }, *item), stop);
+      wait_for(stamp_of(*item), stop);
       played_.push({std::move(*item), cpu}, stop);
     }
   } catch (...) {

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
+    app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
     app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
     app.add_option("--out", options.out, "run folder, is created")->required();
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");

@@ -77,14 +77,15 @@ RobotNode::RobotNode(const RobotNodeOptions& options, const RobotNodeConfig& con
                                      config,
                                      DatasetReader({.folder = options.dataset,
                                                     .start_s = options.start_s,
-                                                    .duration_s = options.duration_s}))) {}
+                                                    .duration_s = options.duration_s,
+                                                    .tracks = options.tracks}))) {}
 
 RobotNode::~RobotNode() = default;
 
 void RobotNode::Parts::take(DatasetPlayer::Played played) {
-  if (auto* frame = std::get_if<StereoFrame>(&played.item)) {
+  if (auto* frame = std::get_if<CameraFrame>(&played.item)) {
     recorder.add_decoding(played.decoding_cpu);
-    pipeline.add_images(std::move(*frame));
+    pipeline.add_frame(std::move(*frame));
     ++frames;
     return;
   }

@@ -15,6 +15,7 @@ namespace fleetloc {
 struct RobotNodeOptions {
   RobotId id;
   std::filesystem::path dataset;
+  bool tracks = false;  ///< plays its tracks instead of its images
   std::filesystem::path qos;
   std::filesystem::path out;
   std::uint32_t domain = 0;

@@ -68,8 +68,8 @@ void RobotPipeline::add_tracks(TrackedFrame frame) {
   add_frame(std::move(frame));
 }
 
-void RobotPipeline::add_frame(Frame frame) {
-  const Timestamp stamp = std::visit([](const auto& one) { return one.stamp; }, frame);
+void RobotPipeline::add_frame(CameraFrame frame) {
+  const Timestamp stamp = stamp_of(frame);
   if (const std::string_view reason = gate_.judge_frame(stamp); !reason.empty()) {
     frames_.push_back({.stamp = stamp, .pose = {}, .refused = reason});
     return;
@@ -85,17 +85,16 @@ void RobotPipeline::poll(Timestamp now) {
 
 void RobotPipeline::process_pending() {
   while (!pending_.empty()) {
-    const Timestamp stamp =
-        std::visit([](const auto& frame) { return frame.stamp; }, pending_.front());
+    const Timestamp stamp = stamp_of(pending_.front());
     const bool lost_to_gap = imu_.begins_after(stamp);
     if (!lost_to_gap && !imu_.covers(stamp)) return;
-    Frame frame = std::move(pending_.front());
+    CameraFrame frame = std::move(pending_.front());
     pending_.pop_front();
     frames_.push_back(lost_to_gap ? give_up(stamp) : take_frame(std::move(frame)));
   }
 }
 
-FrameOutput RobotPipeline::take_frame(Frame frame) {
+FrameOutput RobotPipeline::take_frame(CameraFrame frame) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   const TrackedFrame tracks = tracked(std::move(frame));
   FrameOutput output{.stamp = tracks.stamp,
@@ -128,7 +127,7 @@ PoseEstimate RobotPipeline::pose_at(Timestamp stamp) const {
   return pose;
 }
 
-TrackedFrame RobotPipeline::tracked(Frame frame) {
+TrackedFrame RobotPipeline::tracked(CameraFrame frame) {
   if (auto* tracks = std::get_if<TrackedFrame>(&frame)) return std::move(*tracks);
   auto& images = std::get<StereoFrame>(frame);
   check_image(images.left, setup_.calibration.cam0);

@@ -19,9 +19,9 @@
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
+#include "shared/model/camera_frame.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
-#include "shared/model/stereo_frame.hpp"
 
 namespace fleetloc {
 
@@ -93,6 +93,9 @@ class RobotPipeline {
   /// The same for a frame that has been tracked elsewhere: by a simulation, or by a recording.
   void add_tracks(TrackedFrame frame);
 
+  /// One or the other.
+  void add_frame(CameraFrame frame);
+
   /// Takes over what back end and cloud have finished. `now` is the robot's clock.
   void poll(Timestamp now);
 
@@ -114,13 +117,11 @@ class RobotPipeline {
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
 
  private:
-  using Frame = std::variant<StereoFrame, TrackedFrame>;
   void take_imu(const ImuSample& sample);
-  void add_frame(Frame frame);
   void process_pending();
-  TrackedFrame tracked(Frame frame);
+  TrackedFrame tracked(CameraFrame frame);
   void check_image(cv::Mat& image, const Camera& camera);
-  FrameOutput take_frame(Frame frame);
+  FrameOutput take_frame(CameraFrame frame);
   FrameOutput give_up(Timestamp stamp);
   [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
   void initialize(const TrackedFrame& frame);
@@ -149,7 +150,7 @@ class RobotPipeline {
   std::unique_ptr<PoseFusion> fusion_;
   ImuBuffer imu_;
 
-  std::deque<Frame> pending_;
+  std::deque<CameraFrame> pending_;
   std::optional<Timestamp> first_frame_;
   std::optional<Timestamp> previous_frame_;
   PoseEstimate latest_pose_;  // at the newest IMU sample

@@ -1,9 +1,11 @@
 #include "shared/dataset/dataset_reader.hpp"
 
+#include <algorithm>
 #include <utility>
 
-#include "shared/dataset/image_file.hpp"
 #include "shared/dataset/sensor_file.hpp"
+#include "shared/dataset/stereo_images.hpp"
+#include "shared/dataset/track_files.hpp"
 
 namespace fleetloc {
 namespace {
@@ -24,27 +26,6 @@ DelimitedFile open_csv(const std::filesystem::path& file) {
   }
 }
 
-/// @param size_px  that the calibration states
-cv::Mat load(const ImageEntry& entry, const cv::Size& size_px) {
-  cv::Mat image;
-  try {
-    image = read_image(entry.file);
-  } catch (const DatasetError& error) {
-    throw DatasetError(entry.where + ": " + error.what());
-  }
-  if (image.size() != size_px) {
-    throw DatasetError(entry.where + ": " + entry.file.string() + ": has " +
-                       std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                       " pixels instead of the sensor's " + std::to_string(size_px.width) + "x" +
-                       std::to_string(size_px.height));
-  }
-  return image;
-}
-
-cv::Size size_of(const Camera& camera) {
-  return {camera.width_px, camera.height_px};
-}
-
 /// How many regular measurements are missing between two stamps.
 std::uint64_t missing_between(Timestamp before, Timestamp after, Duration interval) {
   const double intervals = to_seconds(after - before) / to_seconds(interval);
@@ -57,12 +38,16 @@ DatasetReader::DatasetReader(const Options& options)
     : imu_file_(open_csv(mav0_of(options.folder) / "imu0" / "data.csv")) {
   const auto mav0 = mav0_of(options.folder);
   read_calibration(mav0);
-  frames_ = pair_images(read_image_list(mav0 / "cam0"), read_image_list(mav0 / "cam1"));
+  if (options.tracks) {
+    frames_ = std::make_unique<TrackFiles>(mav0 / "tracks0");
+  } else {
+    frames_ = std::make_unique<StereoImages>(mav0, calibration_);
+  }
   select_frames(options);
   do {
     read_imu_sample();
-  } while (imu_sample_ && imu_sample_->stamp < frames_.front().stamp - kImuLead);
-  if (!imu_sample_) throw DatasetError(imu_file_.file().string() + ": ends before the first image");
+  } while (imu_sample_ && imu_sample_->stamp < frames_->stamps()[first_frame_] - kImuLead);
+  if (!imu_sample_) throw DatasetError(imu_file_.file().string() + ": ends before the first frame");
   faults_["imu_gaps"] = 0;  // only those of the selected part count
 }
 
@@ -81,15 +66,17 @@ void DatasetReader::read_calibration(const std::filesystem::path& mav0) {
 }
 
 void DatasetReader::select_frames(const Options& options) {
-  recording_start_ = frames_.front().stamp;
+  const std::vector<Timestamp>& stamps = frames_->stamps();
+  recording_start_ = stamps.front();
   const Timestamp start = recording_start_ + from_seconds(options.start_s);
-  std::erase_if(frames_, [&](const StereoEntry& frame) {
-    const bool late = options.duration_s && frame.stamp > start + from_seconds(*options.duration_s);
-    return frame.stamp < start || late;
-  });
-  if (frames_.empty()) {
-    throw DatasetError(options.folder.string() + ": no image in the selected part");
-  }
+  const auto first = std::ranges::lower_bound(stamps, start);
+  const auto end = options.duration_s
+                       ? std::ranges::upper_bound(stamps, start + from_seconds(*options.duration_s))
+                       : stamps.end();
+  if (first >= end) throw DatasetError(options.folder.string() + ": no frame in the selected part");
+  first_frame_ = static_cast<std::size_t>(first - stamps.begin());
+  end_frame_ = static_cast<std::size_t>(end - stamps.begin());
+  next_frame_ = first_frame_;
 }
 
 void DatasetReader::read_imu_sample() {
@@ -115,16 +102,15 @@ void DatasetReader::read_imu_sample() {
   }
 }
 
-StereoFrame DatasetReader::load_next_frame() {
-  const StereoEntry& entry = frames_[next_frame_];
-  StereoFrame frame;
-  frame.stamp = entry.stamp;
-  if (entry.left) frame.left = load(*entry.left, size_of(calibration_.cam0));
-  if (entry.right) frame.right = load(*entry.right, size_of(calibration_.cam1));
-  if (!entry.left || !entry.right) ++faults_["unpaired_images"];
-  if (next_frame_ > 0) {
-    const Timestamp before = frames_[next_frame_ - 1].stamp;
-    faults_["dropped_frames"] += missing_between(before, entry.stamp, frame_interval_);
+CameraFrame DatasetReader::read_next_frame() {
+  const std::vector<Timestamp>& stamps = frames_->stamps();
+  CameraFrame frame = frames_->read(next_frame_);
+  if (const auto* images = std::get_if<StereoFrame>(&frame)) {
+    if (images->left.empty() || images->right.empty()) ++faults_["unpaired_images"];
+  }
+  if (next_frame_ > first_frame_) {
+    faults_["dropped_frames"] +=
+        missing_between(stamps[next_frame_ - 1], stamps[next_frame_], frame_interval_);
   }
   ++next_frame_;
   return frame;
@@ -132,16 +118,22 @@ StereoFrame DatasetReader::load_next_frame() {
 
 std::optional<DatasetReader::Item> DatasetReader::next() {
   if (finished_) return std::nullopt;
-  const bool frames_left = next_frame_ < frames_.size();
-  if (frames_left && (!imu_sample_ || frames_[next_frame_].stamp < imu_sample_->stamp)) {
-    return load_next_frame();
+  const std::vector<Timestamp>& stamps = frames_->stamps();
+  const bool frames_left = next_frame_ < end_frame_;
+  if (frames_left && (!imu_sample_ || stamps[next_frame_] < imu_sample_->stamp)) {
+    return read_next_frame();
   }
-  if (!frames_left) finished_ = !imu_sample_ || imu_sample_->stamp > frames_.back().stamp;
+  if (!frames_left) finished_ = !imu_sample_ || imu_sample_->stamp > stamps[end_frame_ - 1];
   if (!imu_sample_) return std::nullopt;
   const ImuSample sample = *imu_sample_;
   if (!finished_) read_imu_sample();
-  if (!imu_sample_ && next_frame_ < frames_.size()) ++faults_["imu_gaps"];  // its end is missing
+  if (!imu_sample_ && next_frame_ < end_frame_) ++faults_["imu_gaps"];  // its end is missing
   return sample;
+}
+
+Timestamp stamp_of(const DatasetReader::Item& item) {
+  if (const auto* sample = std::get_if<ImuSample>(&item)) return sample->stamp;
+  return stamp_of(std::get<CameraFrame>(item));
 }
 
 }  // namespace fleetloc

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,25 +12,25 @@
 
 #include "shared/config/delimited_file.hpp"
 #include "shared/dataset/dataset_error.hpp"
-#include "shared/dataset/stereo_index.hpp"
+#include "shared/dataset/frame_source.hpp"
 #include "shared/model/camera.hpp"
 #include "shared/model/inertial.hpp"
-#include "shared/model/stereo_frame.hpp"
 
 namespace fleetloc {
 
 /// Plays a folder in the EuRoC/ASL layout (mav0/{cam0,cam1,imu0}) in the order of time; an IMU
-/// sample comes before an image of the same stamp. The IMU record begins one second before the
-/// first image that is played and ends with the first sample after the last one. Images are decoded
+/// sample comes before a frame of the same stamp. The IMU record begins one second before the
+/// first frame that is played and ends with the first sample after the last one. Frames are read
 /// in next(), never ahead. The body is the IMU, whatever frame the files state their poses in.
 class DatasetReader {
  public:
-  using Item = std::variant<ImuSample, StereoFrame>;
+  using Item = std::variant<ImuSample, CameraFrame>;
 
   struct Options {
     std::filesystem::path folder;  ///< that holds mav0, or mav0 itself
-    double start_s = 0.0;          ///< of the recording to skip, from its first image
-    std::optional<double> duration_s = std::nullopt;  ///< of the images to play
+    double start_s = 0.0;          ///< of the recording to skip, from its first frame
+    std::optional<double> duration_s = std::nullopt;  ///< of the frames to play
+    bool tracks = false;  ///< plays mav0/tracks0 (see TrackFiles) instead of the images
   };
 
   /// Throws DatasetError.
@@ -38,11 +39,11 @@ class DatasetReader {
   [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
   [[nodiscard]] const ImuNoise& imu_noise() const { return imu_noise_; }
 
-  /// The first image of the whole recording, whatever part of it is selected.
+  /// The first frame of the whole recording, whatever part of it is selected.
   [[nodiscard]] Timestamp recording_start() const { return recording_start_; }
 
-  /// Stereo frames of the selected part.
-  [[nodiscard]] std::size_t frame_count() const { return frames_.size(); }
+  /// Frames of the selected part.
+  [[nodiscard]] std::size_t frame_count() const { return end_frame_ - first_frame_; }
 
   /// The next measurement; nothing at the end. Throws DatasetError that names file and line.
   std::optional<Item> next();
@@ -55,20 +56,24 @@ class DatasetReader {
   void read_calibration(const std::filesystem::path& mav0);
   void select_frames(const Options& options);
   void read_imu_sample();
-  StereoFrame load_next_frame();
+  CameraFrame read_next_frame();
 
   StereoCalibration calibration_;
   ImuNoise imu_noise_;
   Duration frame_interval_{};
   Duration imu_interval_{};
   Timestamp recording_start_;
-  std::vector<StereoEntry> frames_;
+  std::unique_ptr<FrameSource> frames_;
+  std::size_t first_frame_ = 0;  // of the selected part, as are the next two
   std::size_t next_frame_ = 0;
+  std::size_t end_frame_ = 0;
   DelimitedFile imu_file_;
   std::optional<ImuSample> imu_sample_;  // the next one; nothing at the end of the file
   bool finished_ = false;
   std::map<std::string, std::uint64_t> faults_ = {
       {"unpaired_images", 0}, {"dropped_frames", 0}, {"imu_gaps", 0}};
 };
+
+Timestamp stamp_of(const DatasetReader::Item& item);
 
 }  // namespace fleetloc

@@ -62,6 +62,29 @@ void paint(StereoFrame& frame, int gray) {
   }
 }
 
+/// @param last  the frame before, if there was one
+void spoil(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
+  if (kind == FaultKind::kBlackImages) paint(frame, 0);
+  if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
+  if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
+  if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
+  if (kind == FaultKind::kFrozenImages && last != nullptr && !last->left.empty()) {
+    frame.left = last->left;
+    frame.right = last->right;
+  }
+}
+
+/// What a front end would have made of such images.
+void spoil(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
+  const bool blind = kind == FaultKind::kBlackImages || kind == FaultKind::kSaturatedImages ||
+                     kind == FaultKind::kMissingLeft;
+  if (blind) frame.observations.clear();
+  if (kind == FaultKind::kMissingRight) {
+    for (StereoObservation& observation : frame.observations) observation.disparity = 0.0;
+  }
+  if (kind == FaultKind::kFrozenImages && last != nullptr) frame.observations = last->observations;
+}
+
 }  // namespace
 
 std::string_view name(FaultKind kind) {
@@ -133,9 +156,9 @@ std::optional<DatasetReader::Item> FaultInjector::next() {
     if (item) {
       std::visit([this](auto& measurement) { take(std::move(measurement)); }, *item);
     } else if (late_frame_) {
-      ready_.emplace_back(*std::exchange(late_frame_, std::nullopt));
+      ready_.push_back(*std::exchange(late_frame_, std::nullopt));
     } else if (late_sample_) {
-      ready_.emplace_back(*std::exchange(late_sample_, std::nullopt));
+      ready_.push_back(*std::exchange(late_sample_, std::nullopt));
     } else {
       return std::nullopt;
     }
@@ -154,28 +177,22 @@ bool FaultInjector::strikes(std::size_t fault, Timestamp stamp) {
   return strikes;
 }
 
-void FaultInjector::spoil(StereoFrame& frame, FaultKind kind) const {
-  if (kind == FaultKind::kBlackImages) paint(frame, 0);
-  if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
-  if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
-  if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
-  if (kind == FaultKind::kFrozenImages && !last_frame_.left.empty()) {
-    frame.left = last_frame_.left;
-    frame.right = last_frame_.right;
-  }
-}
-
-void FaultInjector::take(StereoFrame frame) {
+void FaultInjector::take(CameraFrame frame) {
+  const Timestamp stamp = stamp_of(frame);
   bool dropped = false;
   bool doubled = false;
   bool late = false;
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     const FaultKind kind = plan_.faults[i].kind;
-    if (!is_of_images(kind) || !strikes(i, frame.stamp)) continue;
+    if (!is_of_images(kind) || !strikes(i, stamp)) continue;
     dropped = dropped || kind == FaultKind::kDroppedFrames;
     doubled = doubled || kind == FaultKind::kDoubledFrames;
     late = late || kind == FaultKind::kDisorderedFrames;
-    spoil(frame, kind);
+    std::visit(
+        [&]<typename Frame>(Frame& any) {
+          spoil(any, kind, last_frame_ ? std::get_if<Frame>(&*last_frame_) : nullptr);
+        },
+        frame);
   }
   last_frame_ = frame;
   if (!dropped) deliver(std::move(frame), late_frame_, doubled, late);
@@ -200,18 +217,17 @@ void FaultInjector::take(const ImuSample& sample) {
   if (!dropped) deliver(spoiled, late_sample_, doubled, late);
 }
 
-template <typename Measurement>
-void FaultInjector::deliver(Measurement measurement,
-                            std::optional<Measurement>& held_back,
+void FaultInjector::deliver(DatasetReader::Item item,
+                            std::optional<DatasetReader::Item>& held_back,
                             bool twice,
                             bool late) {
   if (late && !held_back) {
-    held_back = std::move(measurement);
+    held_back = std::move(item);
     return;
   }
-  if (twice) ready_.emplace_back(measurement);
-  ready_.emplace_back(std::move(measurement));
-  if (held_back) ready_.emplace_back(*std::exchange(held_back, std::nullopt));
+  if (twice) ready_.push_back(item);
+  ready_.push_back(std::move(item));
+  if (held_back) ready_.push_back(*std::exchange(held_back, std::nullopt));
 }
 
 }  // namespace fleetloc

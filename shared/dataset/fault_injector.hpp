@@ -66,22 +66,20 @@ class FaultInjector {
 
  private:
   bool strikes(std::size_t fault, Timestamp stamp);
-  void spoil(StereoFrame& frame, FaultKind kind) const;
-  void take(StereoFrame frame);
+  void take(CameraFrame frame);
   void take(const ImuSample& sample);
-  template <typename Measurement>
-  void deliver(Measurement measurement,
-               std::optional<Measurement>& held_back,
+  void deliver(DatasetReader::Item item,
+               std::optional<DatasetReader::Item>& held_back,
                bool twice,
                bool late);
 
   DatasetReader reader_;
   FaultPlan plan_;
-  std::vector<std::mt19937_64> random_;  // of each fault, so that none disturbs another
-  std::vector<std::uint64_t> struck_;    // by each fault
-  StereoFrame last_frame_;               // before its successor came, as it was given out
-  std::optional<StereoFrame> late_frame_;
-  std::optional<ImuSample> late_sample_;
+  std::vector<std::mt19937_64> random_;    // of each fault, so that none disturbs another
+  std::vector<std::uint64_t> struck_;      // by each fault
+  std::optional<CameraFrame> last_frame_;  // before its successor came, as it was given out
+  std::optional<DatasetReader::Item> late_frame_;
+  std::optional<DatasetReader::Item> late_sample_;
   std::deque<DatasetReader::Item> ready_;
 };
 

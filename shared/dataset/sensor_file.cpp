@@ -131,6 +131,17 @@ ImuFile read_imu_file(const std::filesystem::path& file) {
   });
 }
 
+LidarCalibration read_lidar_file(const std::filesystem::path& file) {
+  constexpr int kMostColumns = 65536;
+  constexpr int kMostRings = 256;
+  return read(file, [](ConfigReader& reader) {
+    return LidarCalibration{.T_body_lidar = read_pose_on_rig(reader),
+                            .rate_hz = reader.positive("rate_hz"),
+                            .columns = reader.integer("columns", 1, kMostColumns),
+                            .rings = reader.integer("rings", 1, kMostRings)};
+  });
+}
+
 std::string camera_file_text(const CameraFile& file) {
   const Camera& camera = file.camera;
   const bool equidistant = camera.distortion == Camera::Distortion::kEquidistant;
@@ -156,6 +167,15 @@ std::string imu_file_text(const ImuFile& imu) {
        << "\ngyroscope_random_walk: " << imu.noise.gyroscope_random_walk
        << "\naccelerometer_noise_density: " << imu.noise.accelerometer_noise_density
        << "\naccelerometer_random_walk: " << imu.noise.accelerometer_random_walk << '\n';
+  return text.str();
+}
+
+std::string lidar_file_text(const LidarCalibration& lidar) {
+  auto text = exact_text();
+  text << "sensor_type: lidar\n";
+  write_pose_on_rig(text, lidar.T_body_lidar);
+  text << "rate_hz: " << lidar.rate_hz << "\ncolumns: " << lidar.columns
+       << "\nrings: " << lidar.rings << '\n';
   return text.str();
 }
 

@@ -5,6 +5,7 @@
 
 #include "shared/model/camera.hpp"
 #include "shared/model/inertial.hpp"
+#include "shared/model/lidar_scan.hpp"
 
 namespace fleetloc {
 
@@ -26,9 +27,12 @@ struct ImuFile {
 /// DatasetError.
 CameraFile read_camera_file(const std::filesystem::path& file);
 ImuFile read_imu_file(const std::filesystem::path& file);
+/// Its rig is the body, without detour.
+LidarCalibration read_lidar_file(const std::filesystem::path& file);
 
 /// The same as text, with numbers that are read back exactly.
 std::string camera_file_text(const CameraFile& file);
 std::string imu_file_text(const ImuFile& imu);
+std::string lidar_file_text(const LidarCalibration& lidar);
 
 }  // namespace fleetloc

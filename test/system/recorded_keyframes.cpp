@@ -94,8 +94,9 @@ RecordedKeyframes read_keyframes(const std::filesystem::path& dataset,
   RecordedKeyframes result{
       .stereo = rectified(reader.calibration()), .keyframes = {}, .map = map_of_scan(dataset)};
   while (const auto item = reader.next()) {
-    const auto* frame = std::get_if<StereoFrame>(&*item);
-    if (frame == nullptr) continue;
+    const auto* cameras = std::get_if<CameraFrame>(&*item);
+    if (cameras == nullptr) continue;
+    const auto* frame = &std::get<StereoFrame>(*cameras);
     const auto T_map_body = interpolate(truth, frame->stamp, kMaxGap);
     if (!T_map_body) continue;
     FeatureTracker tracker(reader.calibration(), config);

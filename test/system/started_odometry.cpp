@@ -42,9 +42,9 @@ Trajectory played(const DatasetReader::Options& options, const StartWatch& watch
   Trajectory odometry;
   std::optional<Timestamp> begin;
   while (auto item = reader.next()) {
-    if (auto* images = std::get_if<StereoFrame>(&*item)) {
-      if (!begin) begin = images->stamp;
-      pipeline.add_images(std::move(*images));
+    if (auto* frame = std::get_if<CameraFrame>(&*item)) {
+      if (!begin) begin = stamp_of(*frame);
+      pipeline.add_frame(std::move(*frame));
       continue;
     }
     const auto& sample = std::get<ImuSample>(*item);

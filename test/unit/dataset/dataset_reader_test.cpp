@@ -63,7 +63,7 @@ TEST_F(Dataset, PlaysInTheOrderOfTimeWithImuFirst) {
   const auto items = play();
   for (std::size_t i = 1; i < items.size(); ++i) {
     EXPECT_LE(stamp_of(items[i - 1]), stamp_of(items[i]));
-    if (std::holds_alternative<StereoFrame>(items[i])) {
+    if (std::holds_alternative<CameraFrame>(items[i])) {
       ASSERT_TRUE(std::holds_alternative<ImuSample>(items[i - 1]));
       EXPECT_EQ(stamp_of(items[i - 1]), stamp_of(items[i]));  // inclusive
     }

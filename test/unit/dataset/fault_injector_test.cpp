@@ -53,7 +53,9 @@ Played play(const FaultPlan& plan, double start_s = 0.0) {
   FaultInjector input(DatasetReader({.folder = written_recording(), .start_s = start_s}), plan);
   Played played;
   while (auto item = input.next()) {
-    if (auto* frame = std::get_if<StereoFrame>(&*item)) played.frames.push_back(*frame);
+    if (auto* frame = std::get_if<CameraFrame>(&*item)) {
+      played.frames.push_back(std::get<StereoFrame>(*frame));
+    }
     if (auto* sample = std::get_if<ImuSample>(&*item)) played.imu.push_back(*sample);
   }
   EXPECT_FALSE(input.next());

@@ -102,7 +102,9 @@ class Dataset : public ::testing::Test {
   static std::vector<StereoFrame> frames_of(const std::vector<DatasetReader::Item>& items) {
     std::vector<StereoFrame> frames;
     for (const auto& item : items) {
-      if (const auto* frame = std::get_if<StereoFrame>(&item)) frames.push_back(*frame);
+      if (const auto* frame = std::get_if<CameraFrame>(&item)) {
+        frames.push_back(std::get<StereoFrame>(*frame));
+      }
     }
     return frames;
   }
@@ -139,9 +141,5 @@ class Dataset : public ::testing::Test {
       ::testing::UnitTest::GetInstance()->current_test_info()->name();
   std::map<std::string, std::uint64_t> faults_;
 };
-
-inline Timestamp stamp_of(const DatasetReader::Item& item) {
-  return std::visit([](const auto& value) { return value.stamp; }, item);
-}
 
 }  // namespace fleetloc
