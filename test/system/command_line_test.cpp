@@ -149,8 +149,12 @@ class CommandLine : public testing::Test {
 };
 
 TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
-  for (const char* program :
-       {FLEETLOC_ROBOT, FLEETLOC_CLOUD, FLEETLOC_MAP, FLEETLOC_REPLAY, FLEETLOC_EVAL}) {
+  for (const char* program : {FLEETLOC_ROBOT,
+                              FLEETLOC_CLOUD,
+                              FLEETLOC_MAP,
+                              FLEETLOC_REPLAY,
+                              FLEETLOC_EVAL,
+                              FLEETLOC_SIM}) {
     const std::string name = std::filesystem::path(program).filename();
     const Outcome help = run(program, {"--help"});
     EXPECT_EQ(help.exit_code, 0) << name;

@@ -1,0 +1,251 @@
+// fleetloc-sim: makes a dataset with ground truth.
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cloud/laser_map/build_map.hpp"
+#include "deploy/tools/sim_run.hpp"
+#include "deploy/tools/sim_sheet.hpp"
+#include "deploy/tools/sim_tracks.hpp"
+#include "deploy/tools/surfels.hpp"
+#include "shared/concurrency/termination.hpp"
+#include "shared/config/program.hpp"
+#include "shared/dataset/image_file.hpp"
+#include "shared/pointcloud/point_cloud_file.hpp"
+#include "shared/world/scene.hpp"
+
+namespace {
+
+using namespace fleetloc;
+
+struct Arguments {
+  std::string scene;
+  std::string route;
+  std::string session;
+  std::string cloud;
+  std::string trajectory;
+  std::string calibration;
+  std::uint64_t scene_seed = 1;
+  double rest_s = 0.0;
+  double start_s = 0.0;
+  std::optional<double> duration_s;
+  bool no_images = false;
+  bool compare_tracks = false;
+  std::string contact_sheet;
+  bool no_merged_cloud = false;
+  SimOptions sim;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  auto* scene = app.add_option("--scene", arguments.scene, "YAML: a world, see deploy/worlds");
+  auto* route = app.add_option("--route",
+                               arguments.route,
+                               "way through it: YAML with waypoints, or poses (.tum, EuRoC's .csv) "
+                               "that a smoothing spline follows");
+  app.add_option("--session", arguments.session, "season of the scene (that of its survey)")
+      ->needs(scene);
+  app.add_option("--scene-seed", arguments.scene_seed, "what is built along the route (1)")
+      ->needs(scene);
+  app.add_option("--rest", arguments.rest_s, "seconds of standstill before recorded poses")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(route);
+  auto* cloud = app.add_option("--cloud", arguments.cloud, "instead of a scene: PLY or PCD file")
+                    ->excludes(scene);
+  auto* trajectory = app.add_option("--trajectory",
+                                    arguments.trajectory,
+                                    "recorded poses in it (.tum, EuRoC's .csv), taken as true")
+                         ->excludes(route);
+  scene->needs(route);
+  route->needs(scene);
+  cloud->needs(trajectory);
+  trajectory->needs(cloud);
+  app.add_option("--imu", arguments.sim.recorded_imu, "EuRoC's data.csv, copied as it is")
+      ->check(CLI::ExistingFile)
+      ->needs(trajectory);
+  app.add_option("--calibration", arguments.calibration, "dataset whose cameras are simulated");
+  app.add_option("--out", arguments.sim.out, "dataset folder, is created");
+  app.add_option("--seed", arguments.sim.seed, "of noise, vibration and errors of the sensors (1)");
+  app.add_option("--threads", arguments.sim.threads, "the result is the same with any number (2)")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--start", arguments.start_s, "seconds of the motion to skip")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", arguments.duration_s, "seconds of the motion to simulate")
+      ->check(CLI::PositiveNumber);
+  auto* lidar = app.add_flag("--lidar", arguments.sim.lidar, "lidar0/ and pointcloud0/data.ply");
+  app.add_flag("--no-merged-cloud", arguments.no_merged_cloud, "leave pointcloud0/data.ply out")
+      ->needs(lidar);
+  app.add_flag("--tracks", arguments.sim.tracks, "feature tracks (tracks0/) instead of images");
+  app.add_flag("--no-images", arguments.no_images, "leave the images out");
+  app.add_flag("--compare-tracks",
+               arguments.compare_tracks,
+               "write no dataset: print what simulated tracks are like beside those that the front "
+               "end makes of rendered images");
+  app.add_option("--contact-sheet",
+                 arguments.contact_sheet,
+                 "write no dataset, but a PNG file with views of every season")
+      ->needs(scene);
+}
+
+// Of the whole way, whatever part of it is simulated: sessions share the scene.
+SessionScene built_scene(const Arguments& arguments, const SimMotion& motion) {
+  const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
+  const std::string& name = arguments.session.empty() ? world.survey : arguments.session;
+  const SessionConfig& session = session_named(world, name);
+  const Scene scene = build_scene(world.scene, motion.way_m, arguments.scene_seed);
+  return apply_session(scene, session, session_named(world, world.survey));
+}
+
+std::vector<SessionScene> all_sessions(const Arguments& arguments, const SimMotion& motion) {
+  const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
+  const Scene scene = build_scene(world.scene, motion.way_m, arguments.scene_seed);
+  std::vector<SessionScene> sessions;
+  for (const SessionConfig& session : world.sessions) {
+    sessions.push_back(apply_session(scene, session, session_named(world, world.survey)));
+  }
+  return sessions;
+}
+
+SessionScene scene_of_cloud(const std::string& file,
+                            const Program& program,
+                            const SurfelConfig& surfels) {
+  const MapConfig config = read_map_config(program.config().section("map"));
+  return surfel_scene(build_map(read_points(file), "map", config), surfels);
+}
+
+void set_part(const Arguments& arguments, const SimMotion& motion, SimOptions& options) {
+  const double duration_s = motion.motion.duration();
+  if (arguments.start_s >= duration_s) {
+    throw std::invalid_argument("--start: the motion takes " + std::to_string(duration_s) + " s");
+  }
+  options.begin_s = arguments.start_s;
+  options.end_s = duration_s;
+  if (arguments.duration_s) {
+    options.end_s = std::min(duration_s, options.begin_s + *arguments.duration_s);
+  }
+}
+
+void print(const SimCounts& counts, const SimOptions& options) {
+  std::cout << "written     " << counts.frames << " stereo pairs";
+  if (options.lidar) std::cout << ", " << counts.scans << " lidar scans";
+  if (options.merged_cloud) {
+    std::cout << ", " << counts.merged_points << " points " << counts.merged_voxel_m << " m apart";
+  }
+  std::cout << '\n';
+}
+
+/// What is simulated, once everything has been read.
+struct Prepared {
+  std::shared_ptr<const SimMotion> motion;
+  std::shared_ptr<const SessionScene> scene;
+  SimConfig config;
+  SimOptions options;
+  std::shared_ptr<Termination> termination;
+};
+
+int write_dataset(const Prepared& prepared) {
+  std::cout << description(*prepared.motion) << "scene       " << prepared.scene->triangles()
+            << " triangles\n"
+            << std::flush;
+  print(simulate(*prepared.motion,
+                 *prepared.scene,
+                 prepared.config,
+                 prepared.options,
+                 prepared.termination->token()),
+        prepared.options);
+  return kSuccess;
+}
+
+int print_comparison(const Prepared& prepared, const FeatureTracker::Config& front_end) {
+  SimConfig config = prepared.config;
+  config.renderer.threads = prepared.options.threads;
+  const double rate_hz = config.frame_rate_hz;
+  const SimFrames frames{
+      .motion = prepared.motion.get(),
+      .scene = prepared.scene.get(),
+      .first = static_cast<std::uint64_t>(std::ceil(prepared.options.begin_s * rate_hz)),
+      .end = static_cast<std::uint64_t>(prepared.options.end_s * rate_hz) + 1};
+  const auto result = compare_tracks(
+      frames, config, front_end, prepared.options.seed, prepared.termination->token());
+  print(std::cout, "simulated", result.simulated, "front end", result.tracked);
+  return kSuccess;
+}
+
+Program::Run prepared_sheet(const Arguments& arguments, const Prepared& prepared) {
+  if (std::filesystem::path(arguments.contact_sheet).extension() != ".png") {
+    throw std::invalid_argument("--contact-sheet: '" + arguments.contact_sheet +
+                                "' does not end in .png");
+  }
+  SimConfig config = prepared.config;
+  config.renderer.threads = arguments.sim.threads;
+  return [config,
+          prepared,
+          sessions = all_sessions(arguments, *prepared.motion),
+          file = arguments.contact_sheet] {
+    constexpr int kUnused = 100;  // quality of a JPEG
+    write_image(
+        file, contact_sheet(*prepared.motion, sessions, config, prepared.options.seed), kUnused);
+    return static_cast<int>(kSuccess);
+  };
+}
+
+void check_out(const Arguments& arguments) {
+  if (arguments.compare_tracks || !arguments.contact_sheet.empty()) return;
+  if (arguments.sim.out.empty()) throw std::invalid_argument("--out is required");
+  expect_no_dataset(arguments.sim.out);
+}
+
+Program::Run prepared(const Arguments& arguments, const Program& program) {
+  Prepared result;
+  result.termination = std::make_shared<Termination>();  // before any thread
+  ConfigReader reader = program.config();
+  result.config = read_sim_config(reader.section("sim"));
+  if (arguments.scene.empty() && arguments.cloud.empty()) {
+    throw std::invalid_argument("--scene and --route, or --cloud and --trajectory are required");
+  }
+  if (!arguments.calibration.empty()) result.config.cameras = read_cameras(arguments.calibration);
+  check_out(arguments);
+  const bool replayed = !arguments.cloud.empty();
+  result.motion = std::make_shared<const SimMotion>(
+      replayed
+          ? replayed_motion(arguments.trajectory, result.config)
+          : driven_motion(
+                {.file = arguments.route, .rest_s = arguments.rest_s, .seed = arguments.sim.seed},
+                result.config));
+  result.options = arguments.sim;
+  result.options.images = !arguments.no_images && !arguments.sim.tracks;
+  result.options.merged_cloud = arguments.sim.lidar && !arguments.no_merged_cloud;
+  set_part(arguments, *result.motion, result.options);
+  if (!arguments.contact_sheet.empty()) return prepared_sheet(arguments, result);
+  result.scene = std::make_shared<const SessionScene>(
+      replayed ? scene_of_cloud(arguments.cloud, program, result.config.surfels)
+               : built_scene(arguments, *result.motion));
+  if (!arguments.compare_tracks) return [result] { return write_dataset(result); };
+  return [result, front_end = read_feature_tracker_config(reader.section("tracking"))] {
+    return print_comparison(result, front_end);
+  };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return fleetloc::guarded([&] {
+    cv::setNumThreads(1);
+    Program program("fleetloc-sim",
+                    "Makes a dataset in the EuRoC layout with ground truth: a stereo camera, an "
+                    "IMU and a lidar on a robot that drives through a made-up scene (--scene, "
+                    "--route), or along a recorded trajectory through a point cloud (--cloud, "
+                    "--trajectory).");
+    Arguments arguments;
+    add_options(program.options(), arguments);
+    return program.run(argc, argv, [&] { return prepared(arguments, program); });
+  });
+}

@@ -1,0 +1,99 @@
+#include "deploy/tools/sim_motion.hpp"
+
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "shared/motion/vibration.hpp"
+#include "shared/trajectory/tum_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+RecordFit fitted(const std::filesystem::path& file, const RecordFitConfig& config) {
+  const Trajectory poses = read_poses_in_any_order(file);
+  try {
+    RecordFit fit = fit_record(poses, config);
+    if (!fit.within_limits) {
+      throw std::invalid_argument(
+          "no motion near the record keeps the limits of the configuration");
+    }
+    return fit;
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(file.string() + ": " + error.what());
+  }
+}
+
+/// Points a quarter of a metre apart.
+std::vector<Eigen::Vector3d> points_along(const SplineMotion& motion) {
+  constexpr double kStep = 0.25;  // [m]
+  constexpr double kTimeStep = 0.05;
+  std::vector<Eigen::Vector3d> way{motion.at(0.0).T_map_body.p};
+  const int count = static_cast<int>(motion.duration() / kTimeStep);
+  for (int i = 1; i <= count; ++i) {
+    const Eigen::Vector3d p = motion.at(kTimeStep * i).T_map_body.p;
+    if ((p - way.back()).norm() >= kStep) way.push_back(p);
+  }
+  return way;
+}
+
+SplineMotion driven_route(const std::filesystem::path& file, const SimConfig& config) {
+  const WaypointRoute route = read_route(file);
+  try {
+    return drive(route, config.limits);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace
+
+SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config) {
+  const Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
+  const auto extension = options.file.extension();
+  if (extension == ".yaml" || extension == ".yml") {
+    const SplineMotion smooth = driven_route(options.file, config);
+    return {.motion = with_vibration(smooth, config.vibration, forward, options.seed),
+            .start = Timestamp(from_seconds(config.start_s)),
+            .way_m = points_along(smooth)};
+  }
+  RecordFit fit = fitted(options.file, config.record);
+  const SplineMotion smooth =
+      options.rest_s > 0.0 ? with_rest(fit.motion, options.rest_s, config.speed_up_s) : fit.motion;
+  const Timestamp start = fit.start;
+  return {.motion = with_vibration(smooth, config.vibration, forward, options.seed),
+          .start = start,
+          .way_m = points_along(fit.motion),
+          .fit = fit};
+}
+
+SimMotion replayed_motion(const std::filesystem::path& file, const SimConfig& config) {
+  RecordFit fit = fitted(file, config.replayed_record);
+  return {.motion = SplineMotion(fit.motion), .start = fit.start, .fit = fit};
+}
+
+std::string description(const SimMotion& motion) {
+  const MotionMagnitudes most = extremes(motion.motion);
+  std::ostringstream text;
+  text.precision(4);
+  text << "route       " << length_m(motion.motion) << " m in " << motion.motion.duration()
+       << " s\ngreatest    " << most.speed << " m/s, " << most.acceleration << " m/s^2, "
+       << kDegPerRad * most.turn_rate << " deg/s, " << kDegPerRad * most.angular_acceleration
+       << " deg/s^2\n";
+  if (!motion.fit) return text.str();
+  const auto print = [&text](const char* name, const FitResidual& residual, const char* unit) {
+    text << name << "median " << residual.median << ", p95 " << residual.p95 << ", max "
+         << residual.max << ' ' << unit << '\n';
+  };
+  print("residual    ", motion.fit->position_m, "m");
+  print("            ", motion.fit->rotation_deg, "deg");
+  const MotionMagnitudes& smooth = motion.fit->greatest;
+  text << "spline      " << smooth.speed << " m/s, " << smooth.acceleration << " m/s^2, "
+       << kDegPerRad * smooth.turn_rate << " deg/s at most; " << motion.fit->outliers
+       << " outliers, " << motion.fit->repeated_stamps << " repeated stamps in the record\n";
+  return text.str();
+}
+
+}  // namespace fleetloc
