@@ -128,7 +128,7 @@ void run(const char* folder, const std::optional<Eigen::Vector3d>& gyroscope_bia
       gyroscope.add(*sample);
       continue;
     }
-    const auto& images = std::get<StereoFrame>(*item);
+    const auto& images = std::get<StereoFrame>(std::get<CameraFrame>(*item));
     const Eigen::Quaterniond R_previous_current = gyroscope.take(images.stamp);
     const double begin_ms = thread_cpu_ms();
     const TrackedFrame frame = tracker.track(images, R_previous_current);

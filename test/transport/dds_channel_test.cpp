@@ -44,14 +44,13 @@ TEST_F(DdsChannelTest, CarriesSubmapsAndAnswers) {
 TEST_F(DdsChannelTest, CarriesCorrectionsInOneDatagramToTheirOwnRobotOnly) {
   DdsChannel other(on_loopback(network_.domain(), ChannelRole::kRobot, "robot_2"));
   const Message correction = correction_at(7, 75);
-  const auto size = static_cast<std::ptrdiff_t>(correction.payload.size());
   EXPECT_EQ(datagram_sizes(correction.payload.size()).size(), 1);
   EXPECT_TRUE(receives(
       robot_,
       [&] { cloud_.send("robot_1", correction, {}); },
       [&](const Message& m) {  // RTPS fills the last word
         return m.topic == Topic::kCorrection && m.payload.size() < correction.payload.size() + 4 &&
-               std::ranges::equal(correction.payload, m.payload | std::views::take(size));
+               std::ranges::mismatch(correction.payload, m.payload).in1 == correction.payload.end();
       }));
   // What is sent to the other robot later has arrived: so would the correction have.
   EXPECT_TRUE(receives(

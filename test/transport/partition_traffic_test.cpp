@@ -43,14 +43,14 @@ struct Pair {
   DdsChannel& robot_end;
   DdsChannel& cloud_end;
 
-  bool exchange(std::uint32_t number) const {
+  [[nodiscard]] bool exchange(std::uint32_t number) const {
     robot_end.send(localizer, numbered_submap(number, robot, kRows), {});
     robot_end.send(localizer, status_of(robot), {});
     if (!arrive(cloud_end, 2)) return false;
     cloud_end.send(robot, answer_to(number, wire::LOCALIZED), {});
     return arrive(robot_end, 1);
   }
-  bool is_matched() const {
+  [[nodiscard]] bool is_matched() const {
     return matches(robot_end, Topic::kSubmap, localizer) &&
            matches(robot_end, Topic::kRobotStatus, localizer) &&
            matches(cloud_end, Topic::kLocalization, robot);

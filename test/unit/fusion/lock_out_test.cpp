@@ -166,7 +166,8 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
     return fed_.fusion.add_answer(said);
   };
   bool dead_reckoned = false;
-  for (double t = 2.0; t < 180.0; t += 2.0) {
+  for (int second = 2; second < 180; second += 2) {
+    const double t = second;
     EXPECT_EQ(other_map(t, SessionNumber{}).reason, "wrong_map");
     EXPECT_EQ(quality() == Quality::kLocalized, t < 5.0) << t;
     dead_reckoned = dead_reckoned || quality() == Quality::kDeadReckoning;

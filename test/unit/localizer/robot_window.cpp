@@ -81,8 +81,7 @@ void RobotWindow::solve(const Correction& correction) {
     std::vector<double*> parameters;
     for (const double* values : block.parameters) parameters.push_back(const_cast<double*>(values));
     // The problem takes costs by mutable pointer, although it only evaluates them.
-    problem.AddResidualBlock(
-        const_cast<ceres::CostFunction*>(block.cost), nullptr, std::move(parameters));
+    problem.AddResidualBlock(const_cast<ceres::CostFunction*>(block.cost), nullptr, parameters);
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_SCHUR;
@@ -111,7 +110,7 @@ void RobotWindow::linearize() {
     for (const auto& a : point->couplings) {
       for (const auto& b : point->couplings) {
         landmark.covariance +=
-            own * a.H.transpose() * covariance.block<6, 6>(6 * a.kept, 6 * b.kept) * b.H * own;
+            own * a.H.transpose() * covariance.block<6, 6>(6L * a.kept, 6L * b.kept) * b.H * own;
       }
     }
     ++point;

@@ -74,14 +74,14 @@ class RobotReset : public testing::Test {
                   back_end_,
                   &localizer_) {}
 
-  /// Plays everything up to `seconds`, IMU and frames as `spoil_imu` and `spoil` leave them.
+  /// Plays everything up to `seconds`, IMU and frames as `spoil_imu_` and `spoil_` leave them.
   void play(double seconds) {
     const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
-      if (const auto pose = pipeline_.add_imu(spoil_imu(sample))) pipeline_.poll(pose->stamp);
+      if (const auto pose = pipeline_.add_imu(spoil_imu_(sample))) pipeline_.poll(pose->stamp);
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {
         TrackedFrame frame = run_.frame(next_frame_++);
-        spoil(frame);
+        spoil_(frame);
         pipeline_.add_tracks(std::move(frame));
         ++handed_in_;
       }
@@ -95,7 +95,7 @@ class RobotReset : public testing::Test {
 
   /// Without IMU in [from, to).
   void cut_imu(double from, double to) {
-    spoil_imu = [=](ImuSample sample) {
+    spoil_imu_ = [=](ImuSample sample) {
       const double t = second_of(sample.stamp);
       if (t >= from && t < to) {
         sample.specific_force.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -122,8 +122,8 @@ class RobotReset : public testing::Test {
         frames_, [&](const FrameOutput& frame) { return second_of(frame.stamp) >= seconds; });
   }
 
-  std::function<ImuSample(ImuSample)> spoil_imu = [](const ImuSample& sample) { return sample; };
-  std::function<void(TrackedFrame&)> spoil = [](TrackedFrame&) {};
+  std::function<ImuSample(ImuSample)> spoil_imu_ = [](const ImuSample& sample) { return sample; };
+  std::function<void(TrackedFrame&)> spoil_ = [](TrackedFrame&) {};
   const SimulatedRun run_{noisy_flight()};
   TruthfulLocalizer localizer_{run_};
   SimulatedBackEnd back_end_;
@@ -136,7 +136,7 @@ class RobotReset : public testing::Test {
 };
 
 TEST_F(RobotReset, IsNotNeededForTwoSecondsWithoutFeatures) {
-  spoil = [](TrackedFrame& frame) {
+  spoil_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 8.0) frame.observations.clear();
   };
@@ -183,7 +183,7 @@ TEST_F(RobotReset, FollowsALongImuGapWithANewSessionThatStartsFromWhereTheRobotI
 }
 
 TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
-  spoil = [](TrackedFrame& frame) {
+  spoil_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 11.0) frame.observations.clear();
   };
@@ -207,7 +207,7 @@ TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
 
 TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
   localizer_.answering = false;
-  spoil = [](TrackedFrame& frame) {
+  spoil_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 9.2) frame.observations.clear();
   };
@@ -222,7 +222,7 @@ TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
 
 TEST_F(RobotReset, HasImagesThatShowAnotherMotionThanTheImuFeelsLeftOut) {
   TrackedFrame frozen;
-  spoil = [&frozen](TrackedFrame& frame) {
+  spoil_ = [&frozen](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t < 6.0) frozen = frame;
     if (t >= 6.0 && t < 8.0) frame.observations = frozen.observations;
@@ -235,7 +235,7 @@ TEST_F(RobotReset, HasImagesThatShowAnotherMotionThanTheImuFeelsLeftOut) {
 
 TEST_F(RobotReset, GivesOneOutputForEveryFrameHandedIn) {
   int count = 0;
-  spoil = [&count, this](TrackedFrame& frame) {
+  spoil_ = [&count, this](TrackedFrame& frame) {
     if (++count % 7 == 0) frame.stamp = run_.frame_stamp(next_frame_ - 2);  // doubled
     if (count % 11 == 0) frame.stamp -= std::chrono::seconds(1);
     if (count % 13 == 0) frame.stamp += std::chrono::hours(1);

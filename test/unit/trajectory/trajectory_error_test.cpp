@@ -1,5 +1,6 @@
 #include "shared/trajectory/trajectory_error.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -65,9 +66,9 @@ TEST(RelativeTrajectoryError, IsTheErrorOfEachMotionInWhateverFrame) {
 TEST(RelativeTrajectoryError, TakesTheNearestPoseWithinTheTolerance) {
   std::vector<PosePair> pairs(4);
   for (PosePair& pair : pairs) pair.T_truth_body = pair.T_estimate_body = {};
-  const int ms[] = {0, 9900, 10040, 21000};
+  constexpr std::array kMilliseconds{0, 9900, 10040, 21000};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    pairs[i].stamp = Timestamp(std::chrono::milliseconds(ms[i]));
+    pairs[i].stamp = Timestamp(std::chrono::milliseconds(kMilliseconds[i]));
     pairs[i].T_estimate_body.p.x() = static_cast<double>(i);
   }
   const auto relative = [&](int tolerance_ms) {
