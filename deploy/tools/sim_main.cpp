@@ -206,13 +206,13 @@ void check_out(const Arguments& arguments) {
 Program::Run prepared(const Arguments& arguments, const Program& program) {
   Prepared result;
   result.termination = std::make_shared<Termination>();  // before any thread
+  check_out(arguments);
   ConfigReader reader = program.config();
   result.config = read_sim_config(reader.section("sim"));
   if (arguments.scene.empty() && arguments.cloud.empty()) {
     throw std::invalid_argument("--scene and --route, or --cloud and --trajectory are required");
   }
   if (!arguments.calibration.empty()) result.config.cameras = read_cameras(arguments.calibration);
-  check_out(arguments);
   const bool replayed = !arguments.cloud.empty();
   result.motion = std::make_shared<const SimMotion>(
       replayed

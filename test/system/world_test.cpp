@@ -96,13 +96,13 @@ class World : public testing::Test {
 
 TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
   build_map();
-  simulate("images", {"--session", "autumn", "--seed", "2"});
+  simulate("images", {"--session", "summer", "--seed", "2"});
   simulate("tracks", {"--session", "autumn", "--seed", "2", "--tracks"});
   const auto by_images = localized("images", {});
   const auto by_tracks = localized("tracks", {"--tracks"});
   for (const auto& errors : {by_images, by_tracks}) {
     SCOPED_TRACE(errors.dump());
-    EXPECT_LT(errors["ate"]["median"], 0.08);
+    EXPECT_LT(errors["ate"]["median"], 0.15);
     EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1);
     EXPECT_GT(errors["coverage"], 0.9);
   }

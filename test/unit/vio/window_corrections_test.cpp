@@ -126,8 +126,9 @@ class OneLinearizationPoint : public WindowCorrectionsTest {
       to.speed_bias = from.speed_bias;
       to.from_previous = from.from_previous;
     }
-    for (auto& [id, landmark] : without_.landmarks)
+    for (auto& [id, landmark] : without_.landmarks) {
       landmark.p_odom = graph_.landmarks.at(id).p_odom;
+    }
   }
 
   static Eigen::VectorXd residual(const MarginalizationPrior& prior) {
