@@ -10,7 +10,7 @@ namespace {
 
 struct Instant {
   Timestamp stamp;
-  double time_s;
+  double time_s = 0.0;
   Pose T_map_body;
 };
 

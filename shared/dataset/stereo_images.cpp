@@ -1,6 +1,7 @@
 #include "shared/dataset/stereo_images.hpp"
 
 #include <string>
+#include <utility>
 
 #include "shared/dataset/dataset_error.hpp"
 #include "shared/dataset/image_file.hpp"
@@ -26,8 +27,8 @@ cv::Mat load(const ImageEntry& entry, const Camera& camera) {
 
 }  // namespace
 
-StereoImages::StereoImages(const std::filesystem::path& mav0, const StereoCalibration& calibration)
-    : calibration_(calibration),
+StereoImages::StereoImages(const std::filesystem::path& mav0, StereoCalibration calibration)
+    : calibration_(std::move(calibration)),
       entries_(pair_images(read_image_list(mav0 / "cam0"), read_image_list(mav0 / "cam1"))) {
   for (const StereoEntry& entry : entries_) stamps_.push_back(entry.stamp);
 }

@@ -13,7 +13,7 @@ namespace fleetloc {
 class StereoImages final : public FrameSource {
  public:
   /// Throws DatasetError for what is wrong with the lists of the images.
-  StereoImages(const std::filesystem::path& mav0, const StereoCalibration& calibration);
+  StereoImages(const std::filesystem::path& mav0, StereoCalibration calibration);
 
   [[nodiscard]] const std::vector<Timestamp>& stamps() const override { return stamps_; }
   /// Throws DatasetError for an image that cannot be decoded, or not of its camera's size.

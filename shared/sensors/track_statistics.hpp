@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "shared/model/camera.hpp"
@@ -36,7 +37,7 @@ void print(std::ostream& stream,
 /// follows with that point.
 class TrackAssessment {
  public:
-  explicit TrackAssessment(const RectifiedStereo& stereo) : stereo_(stereo) {}
+  explicit TrackAssessment(RectifiedStereo stereo) : stereo_(std::move(stereo)) {}
 
   /// Frames in the order of time, with the true poses.
   void add(const TrackedFrame& frame, const Pose& T_map_body, const SceneView& world);

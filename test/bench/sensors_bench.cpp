@@ -38,8 +38,9 @@ void print_sessions(const std::string& folder) {
     for (int i = 0; i < 24; ++i) {
       StereoRenderer renderer(cameras, session, camera_settings(2), 1);
       const Pose T_map_body = T_map_body_on_eight(i / 24.0);
-      const StereoFrame frame = renderer.render({.stamp = {}, .time_s = 1.0 * i, .frame = 0},
-                                                [&](double) { return T_map_body; });
+      const StereoFrame frame =
+          renderer.render({.stamp = {}, .time_s = 1.0 * i, .frame = 0},
+                          [i](double) { return T_map_body_on_eight(i / 24.0); });
       const auto landmarks = seen_landmarks(frame.left,
                                             session.at(1.0 * i).caster,
                                             cameras.cam0,
@@ -47,8 +48,9 @@ void print_sessions(const std::string& folder) {
                                             400);
       all.insert(all.end(), landmarks.begin(), landmarks.end());
       least = std::min(least, landmarks.size());
-      if (!folder.empty() && i % 6 == 1)
+      if (!folder.empty() && i % 6 == 1) {
         write_image(folder + "/" + config.name + std::to_string(i) + ".png", frame.left, 90);
+      }
     }
     std::printf("%-8s unmapped %.2f  landmarks per image %.0f, at least %zu\n",
                 config.name.c_str(),
@@ -64,11 +66,12 @@ void stereo_pair(benchmark::State& state, const std::string& name) {
   const SessionScene session = session_of(world, scene, name);
   StereoRenderer renderer(campus_cameras(), session, camera_settings(1), 1);
   std::uint64_t frame = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const double time_s = 0.05 * static_cast<double>(frame);
-    const Pose T_map_body = T_map_body_on_eight(0.017 * static_cast<double>(frame));
-    benchmark::DoNotOptimize(renderer.render({.stamp = {}, .time_s = time_s, .frame = frame++},
-                                             [&](double) { return T_map_body; }));
+    const double place = 0.017 * static_cast<double>(frame);
+    benchmark::DoNotOptimize(
+        renderer.render({.stamp = {}, .time_s = time_s, .frame = frame++},
+                        [place](double) { return T_map_body_on_eight(place); }));
   }
 }
 BENCHMARK_CAPTURE(stereo_pair, summer, "summer")->Unit(benchmark::kMillisecond)->Iterations(60);
