@@ -17,6 +17,7 @@ namespace {
 using Words = std::vector<std::string>;
 
 constexpr const char* kDriven_s = "22";
+const std::string kWorlds = FLEETLOC_SOURCE_DIR "/deploy/worlds/";
 
 /// The ground truth at the first frame, displaced by 0.3 m and 3 degrees of yaw.
 std::string displaced_start(const std::filesystem::path& ground_truth, Timestamp first_frame) {
@@ -45,9 +46,9 @@ class World : public testing::Test {
 
   void simulate(const std::string& out, const Words& more) const {
     Words words{"--scene",
-                FLEETLOC_SOURCE_DIR "/deploy/worlds/campus.yaml",
+                kWorlds + "campus.yaml",
                 "--route",
-                FLEETLOC_SOURCE_DIR "/deploy/worlds/quad.yaml",
+                kWorlds + "quad.yaml",
                 "--config",
                 path("ten_hertz.yaml"),
                 "--duration",

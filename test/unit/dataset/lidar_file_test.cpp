@@ -20,7 +20,7 @@ const LidarCalibration kCalibration{.T_body_lidar = {.R = exp_so3({0.1, 0.2, 0.3
                                     .rings = 16};
 
 LidarScan scan_at(int number) {
-  LidarScan scan{.stamp = Timestamp(Duration(1'403'636'579'758'555'392 + 100'000'000 * number)),
+  LidarScan scan{.stamp = Timestamp(Duration(1'403'636'579'758'555'392 + 100'000'000L * number)),
                  .points = {}};
   for (int i = 0; i < 10 * number; ++i) {
     const auto x = static_cast<float>(i) + 0.1F;

@@ -21,13 +21,14 @@ SplineSamples sampled(const std::vector<double>& times_s, double (*function)(dou
 }
 
 std::vector<double> steps(int count, double step_s) {
-  std::vector<double> times_s;
-  for (int i = 0; i < count; ++i) times_s.push_back(i * step_s);
+  std::vector<double> times_s(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < times_s.size(); ++i) times_s[i] = static_cast<double>(i) * step_s;
   return times_s;
 }
 
 std::vector<double> constant(const SplineGrid& grid, double penalty) {
-  return std::vector<double>(static_cast<std::size_t>(grid.intervals), penalty);
+  std::vector<double> penalties(static_cast<std::size_t>(grid.intervals), penalty);
+  return penalties;
 }
 
 TEST(QuinticSpline, BasisSumsToOneAndItsDerivativesToZero) {

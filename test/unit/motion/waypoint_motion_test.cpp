@@ -52,7 +52,8 @@ TEST(WaypointMotion, LooksAlongItsWayAndFollowsTheSlope) {
   WaypointRoute route = block();
   for (Eigen::Vector3d& p : route.waypoints_m) p.z() = slope(p.x(), p.y());
   const SplineMotion motion = drive(route, kLimits);
-  for (double time_s = 6.0; time_s < motion.duration() - 4.0; time_s += 0.7) {
+  for (int i = 0; 6.0 + 0.7 * i < motion.duration() - 4.0; ++i) {
+    const double time_s = 6.0 + 0.7 * i;
     const MotionState state = motion.at(time_s);
     const Eigen::Vector3d forward = state.T_map_body.R * Eigen::Vector3d::UnitX();
     EXPECT_GT(forward.dot(state.v_map.normalized()), 0.995) << time_s;
