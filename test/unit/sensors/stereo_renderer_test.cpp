@@ -80,11 +80,32 @@ TEST_F(StereoRendererOnCampus, TheSameBytesWithAnyNumberOfThreads) {
   EXPECT_FALSE(same_bytes(one.left, one.right));
 }
 
+/// Distances of what the optical flow finds from where the landmarks are in the second image [px].
+std::vector<double> flow_errors(const StereoFrame& first,
+                                const StereoFrame& second,
+                                const std::vector<SeenLandmark>& landmarks,
+                                const Camera& camera,
+                                const Pose& T_cam_map) {
+  std::vector<cv::Point2f> from;
+  from.reserve(landmarks.size());
+  for (const SeenLandmark& landmark : landmarks) from.push_back(landmark.pixel);
+  std::vector<cv::Point2f> to;
+  std::vector<unsigned char> found;
+  cv::calcOpticalFlowPyrLK(first.left, second.left, from, to, found, cv::noArray(), {21, 21}, 3);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto pixel = project(camera, T_cam_map * landmarks[i].p_map);
+    if (!pixel || found[i] == 0) continue;
+    const bool inside = pixel->x() > 12 && pixel->y() > 12 && pixel->x() < 628 && pixel->y() < 388;
+    if (inside) errors.push_back((*pixel - Eigen::Vector2d(to[i].x, to[i].y)).norm());
+  }
+  return errors;
+}
+
 TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
   const SessionScene session = session_of(world(), scene(), GetParam());
   const StereoCalibration cameras = campus_cameras();
   std::vector<double> errors;
-  int gross = 0;
   for (const double share : {0.05, 0.3, 0.62, 0.9}) {
     const Pose before = T_map_body_on_eight(share);
     const Pose after = T_map_body_on_eight(share + 0.0004, 0.01);
@@ -93,24 +114,13 @@ TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
     const auto landmarks = seen_landmarks(
         first.left, session.at(5.0).caster, cameras.cam0, before * cameras.T_body_cam0, 300);
     EXPECT_GE(landmarks.size(), 150U);
-    std::vector<cv::Point2f> from;
-    for (const SeenLandmark& landmark : landmarks) from.push_back(landmark.pixel);
-    std::vector<cv::Point2f> to;
-    std::vector<unsigned char> found;
-    cv::calcOpticalFlowPyrLK(first.left, second.left, from, to, found, cv::noArray(), {21, 21}, 3);
     const Pose T_cam_map = inverse(after * cameras.T_body_cam0);
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      const auto pixel = project(cameras.cam0, T_cam_map * landmarks[i].p_map);
-      if (!pixel || found[i] == 0) continue;
-      const bool inside =
-          pixel->x() > 12 && pixel->y() > 12 && pixel->x() < 628 && pixel->y() < 388;
-      if (!inside) continue;
-      errors.push_back((*pixel - Eigen::Vector2d(to[i].x, to[i].y)).norm());
-      gross += errors.back() > 2.0 ? 1 : 0;
-    }
+    const auto some = flow_errors(first, second, landmarks, cameras.cam0, T_cam_map);
+    errors.insert(errors.end(), some.begin(), some.end());
   }
   ASSERT_GE(errors.size(), 400U);
-  const double gross_share = gross / static_cast<double>(errors.size());
+  const auto gross = std::ranges::count_if(errors, [](double error) { return error > 2.0; });
+  const double gross_share = static_cast<double>(gross) / static_cast<double>(errors.size());
   std::printf("%s: median %.3f px, beyond 2 px %.3f\n", GetParam(), median(errors), gross_share);
   EXPECT_LT(median(errors), 0.2);
   EXPECT_LT(gross_share, 0.08);

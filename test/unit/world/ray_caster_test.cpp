@@ -45,7 +45,7 @@ TEST(RayCaster, APacketSaysTheSameAsItsRays) {
   add_floor(moving, 1.0F, 7);
   for (auto& vertex : moving.vertices) vertex.x() += 10.0F;  // over one half
   const RayCaster caster = RayCaster(two_floors()).with(moving);
-  RayPacket rays;
+  RayPacket rays{};
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
     const float x = static_cast<float>(i) - 2.5F;
     const Eigen::Vector3f direction = Eigen::Vector3f(0.05F * x, 0.02F, -1.0F).normalized();

@@ -16,37 +16,37 @@ using testing::HasSubstr;
 class Campus : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    world = new WorldConfig(campus());
-    scene = new Scene(build_scene(world->scene, eight(), 1));
+    world_ = new WorldConfig(campus());
+    scene_ = new Scene(build_scene(world_->scene, eight(), 1));
   }
   static void TearDownTestSuite() {
-    delete scene;
-    delete world;
+    delete scene_;
+    delete world_;
   }
   static std::vector<const Thing*> standing_things() {
     std::vector<const Thing*> things;
-    for (const auto* list : {&scene->buildings, &scene->furniture, &scene->leaves}) {
+    for (const auto* list : {&scene_->buildings, &scene_->furniture, &scene_->leaves}) {
       for (const Thing& thing : *list) things.push_back(&thing);
     }
-    for (const auto* slots : {&scene->cars, &scene->structures}) {
+    for (const auto* slots : {&scene_->cars, &scene_->structures}) {
       for (const Slot& slot : *slots) {
         for (const Thing& thing : slot.variants) things.push_back(&thing);
       }
     }
     return things;
   }
-  static WorldConfig* world;
-  static Scene* scene;
+  static WorldConfig* world_;
+  static Scene* scene_;
 };
-WorldConfig* Campus::world = nullptr;
-Scene* Campus::scene = nullptr;
+WorldConfig* Campus::world_ = nullptr;
+Scene* Campus::scene_ = nullptr;
 
 TEST_F(Campus, NothingStandsNearARouteThatCrossesItself) {
-  const float clearance = world->scene.clearance_m;
+  const float clearance = world_->scene.clearance_m;
   float nearest = 100.0F;
   for (const Thing* thing : standing_things()) {
     for (const auto& vertex : thing->mesh.vertices) {
-      nearest = std::min(nearest, scene->route->distance(vertex.head<2>(), 20.0F));
+      nearest = std::min(nearest, scene_->route->distance(vertex.head<2>(), 20.0F));
     }
   }
   EXPECT_GE(nearest, clearance);
@@ -56,34 +56,34 @@ TEST_F(Campus, NothingStandsNearARouteThatCrossesItself) {
 TEST_F(Campus, TheGroundPassesBelowTheRoute) {
   Mesh mesh;
   std::vector<Surface> surfaces;
-  append(scene->ground, mesh, surfaces);
+  append(scene_->ground, mesh, surfaces);
   const RayCaster ground(mesh);
-  for (const Eigen::Vector3f& p : scene->route->points()) {
+  for (const Eigen::Vector3f& p : scene_->route->points()) {
     const auto hit = ground.first_hit({p, {0.0F, 0.0F, -1.0F}}, 10.0F);
     ASSERT_TRUE(hit) << p.transpose();
-    EXPECT_NEAR(hit->distance_m, world->scene.body_height_m, 0.1F) << p.transpose();
+    EXPECT_NEAR(hit->distance_m, world_->scene.body_height_m, 0.1F) << p.transpose();
   }
 }
 
 TEST_F(Campus, HasBuildingsTreesAndPlacesOnBothSides) {
-  EXPECT_GE(scene->buildings.size(), 8U);
-  EXPECT_GE(scene->leaves.size(), 20U);
-  EXPECT_GE(scene->cars.size(), 10U);
-  EXPECT_GE(scene->structures.size(), 15U);
+  EXPECT_GE(scene_->buildings.size(), 8U);
+  EXPECT_GE(scene_->leaves.size(), 20U);
+  EXPECT_GE(scene_->cars.size(), 10U);
+  EXPECT_GE(scene_->structures.size(), 15U);
 }
 
 TEST_F(Campus, IsTheSameForOneSeedAndAnotherForAnother) {
-  const Scene again = build_scene(world->scene, eight(), 1);
-  const Scene other = build_scene(world->scene, eight(), 2);
-  ASSERT_EQ(again.buildings.size(), scene->buildings.size());
-  EXPECT_EQ(again.buildings[3].mesh.vertices, scene->buildings[3].mesh.vertices);
-  EXPECT_EQ(again.ground.mesh.vertices, scene->ground.mesh.vertices);
-  EXPECT_NE(other.buildings[3].mesh.vertices, scene->buildings[3].mesh.vertices);
+  const Scene again = build_scene(world_->scene, eight(), 1);
+  const Scene other = build_scene(world_->scene, eight(), 2);
+  ASSERT_EQ(again.buildings.size(), scene_->buildings.size());
+  EXPECT_EQ(again.buildings[3].mesh.vertices, scene_->buildings[3].mesh.vertices);
+  EXPECT_EQ(again.ground.mesh.vertices, scene_->ground.mesh.vertices);
+  EXPECT_NE(other.buildings[3].mesh.vertices, scene_->buildings[3].mesh.vertices);
 }
 
 TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
-  const SessionScene winter = session_of(*world, *scene, "winter");
-  for (const auto* list : {&scene->buildings, &scene->furniture}) {
+  const SessionScene winter = session_of(*world_, *scene_, "winter");
+  for (const auto* list : {&scene_->buildings, &scene_->furniture}) {
     for (const Thing& thing : *list) {
       const Eigen::Vector3f& vertex = thing.mesh.vertices[thing.mesh.vertices.size() / 2];
       EXPECT_TRUE(winter.fixed().has_surface_within(vertex, 1e-3F));
@@ -92,8 +92,8 @@ TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
 }
 
 TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
-  const SessionScene summer = session_of(*world, *scene, "summer");
-  const SessionScene winter = session_of(*world, *scene, "winter");
+  const SessionScene summer = session_of(*world_, *scene_, "summer");
+  const SessionScene winter = session_of(*world_, *scene_, "winter");
   const auto missing = [](const std::vector<const Thing*>& things, const SessionScene& from) {
     int count = 0;
     for (const Thing* thing : things) {
@@ -103,16 +103,16 @@ TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
     return count;
   };
   std::vector<const Thing*> leaves;
-  for (const Thing& thing : scene->leaves) leaves.push_back(&thing);
+  for (const Thing& thing : scene_->leaves) leaves.push_back(&thing);
   EXPECT_EQ(missing(leaves, summer), 0);
   EXPECT_GT(missing(leaves, winter), static_cast<int>(0.8 * static_cast<double>(leaves.size())));
   std::vector<const Thing*> structures;
-  for (const Slot& slot : scene->structures) structures.push_back(&slot.variants[0]);
+  for (const Slot& slot : scene_->structures) structures.push_back(slot.variants.data());
   EXPECT_NE(missing(structures, summer), missing(structures, winter));
 }
 
 TEST_F(Campus, PeopleMoveWithTime) {
-  const SessionScene winter = session_of(*world, *scene, "winter");
+  const SessionScene winter = session_of(*world_, *scene_, "winter");
   const SceneView now = winter.at(10.0);
   const SceneView same = winter.at(10.0);
   const SceneView later = winter.at(12.0);
