@@ -16,13 +16,13 @@ namespace {
 const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
 constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
+}  // namespace
+
 Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
   Outcome outcome = run(program, arguments);
   if (outcome.exit_code != 0) throw std::runtime_error(outcome.errors);
   return outcome;
 }
-
-}  // namespace
 
 std::filesystem::path recordings() {
   return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";

@@ -18,6 +18,9 @@ inline constexpr bool kSanitized = true;  ///< about ten times slower
 inline constexpr bool kSanitized = false;
 #endif
 
+/// Throws std::runtime_error with what the program said, unless it ends well.
+Outcome must_run(const std::string& program, const std::vector<std::string>& arguments);
+
 /// Where recordings for tests lie: beside the source tree, never in it.
 std::filesystem::path recordings();
 
