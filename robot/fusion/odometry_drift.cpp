@@ -1,41 +1,64 @@
 #include "robot/fusion/odometry_drift.hpp"
 
+#include <algorithm>
 #include <numbers>
+
+#include <Eigen/Cholesky>
 
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
 
+VarianceMovement::Step VarianceMovement::to(double variance) {
+  const double level = level_.value_or(variance);
+  const bool turns = rises_ ? variance < (1.0 - kTurn) * level : variance * (1.0 - kTurn) > level;
+  if (turns) rises_ = !rises_;
+  if (level_ && rises_ != (variance > level)) return {};
+  level_ = variance;
+  return {.up = std::max(0.0, variance - level), .down = std::max(0.0, level - variance)};
+}
+
 OdometryDrift::OdometryDrift(const Config& config) : config_(config) {}
 
-Eigen::Vector4d OdometryDrift::growth(const OdometryEstimate& estimate) {
-  const Eigen::Matrix3d R = estimate.state.T_odom_body.R.toRotationMatrix();
-  const Eigen::Matrix3d rotation = R * estimate.covariance.topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::Matrix3d position = R * estimate.covariance.block<3, 3>(3, 3) * R.transpose();
-  Eigen::Vector4d variance;
-  variance << position.diagonal(), rotation(2, 2);
-  const bool first = !last_T_odom_body_;
-  const Eigen::Vector4d largest = first ? variance : variance.cwiseMax(largest_variance_).eval();
-  Eigen::Vector4d grown = first ? Eigen::Vector4d::Zero().eval() : largest - largest_variance_;
-  largest_variance_ = largest;
-  return grown;
+// At the body, in odom axes. An error of the rotation that is new turns about the body. One that is
+// revised takes with it what it had done to the position.
+Matrix6d OdometryDrift::claimed(const OdometryEstimate& estimate) {
+  const Matrix6d to_odom = adjoint({estimate.state.T_odom_body.R, Eigen::Vector3d::Zero()});
+  const Matrix6d covariance =
+      to_odom * estimate.covariance.topLeftCorner<6, 6>() * to_odom.transpose();
+  const Eigen::Matrix3d rotation = covariance.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d shared = covariance.bottomLeftCorner<3, 3>();
+  const Eigen::Matrix3d by_rotation = rotation.ldlt().solve(shared.transpose()).transpose();
+  const Eigen::Matrix3d position =
+      covariance.bottomRightCorner<3, 3>() - by_rotation * shared.transpose();
+  Vector6d variances;
+  variances << rotation.diagonal(), position.diagonal();
+
+  Matrix6d with_rotation = Matrix6d::Identity();
+  with_rotation.bottomLeftCorner<3, 3>() = by_rotation;
+  Matrix6d result = Matrix6d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    const auto [up, down] = movements_[static_cast<std::size_t>(i)].to(variances(i));
+    result(i, i) += up;
+    result += down * with_rotation.col(i) * with_rotation.col(i).transpose();
+  }
+  return result;
 }
 
 DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
   const Pose& T_odom_body = estimate.state.T_odom_body;
-  const Eigen::Vector4d claimed = config_.covariance_share * growth(estimate);
+  Matrix6d Q = config_.covariance_share * claimed(estimate);
   DriftStep result;
   if (last_T_odom_body_) {
     result.metres = (T_odom_body.p - last_T_odom_body_->p).norm();
     const double radians = log_so3(last_T_odom_body_->R.conjugate() * T_odom_body.R).norm();
     const auto square = [](double x) { return x * x; };
-    Matrix6d Q = Matrix6d::Zero();
-    Q.diagonal().head<2>().setConstant(square(config_.tilt) * result.metres);
-    Q(2, 2) = square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians +
-              claimed(3);
-    Q.diagonal().tail<3>() =
-        claimed.head<3>() + Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
-    // So far at the body, in odom axes. T_map_odom turns about the body, not about the origin.
+    Vector6d walk;
+    walk << Eigen::Vector2d::Constant(square(config_.tilt) * result.metres),
+        square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians,
+        Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
+    Q.diagonal() += walk;
+    // So far at the body. T_map_odom turns about it, not about the origin.
     const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), T_odom_body.p});
     result.covariance = A * Q * A.transpose();
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "shared/config/config_reader.hpp"
@@ -13,9 +14,31 @@ struct DriftStep {
   double metres = 0.0;                     ///< travelled
 };
 
-/// How uncertain T_map_odom becomes as the odometry goes on: a random walk whose steps grow with
-/// the distance and the rotation travelled, and with the covariance that the odometry claims.
-/// Gravity holds roll and pitch of `odom`, so nearly all drift of the rotation is about its z.
+/// How far a variance has moved, up and down alike. What returns before it has changed by
+/// `kTurn` of itself is fluctuation and does not count.
+class VarianceMovement {
+ public:
+  static constexpr double kTurn = 0.3;
+
+  struct Step {
+    double up = 0.0;
+    double down = 0.0;
+  };
+  /// Since the last call; nothing for the first.
+  Step to(double variance);
+
+ private:
+  std::optional<double> level_;
+  bool rises_ = true;
+};
+
+/// How far T_map_odom moves as the odometry goes on: a random walk whose steps grow with the
+/// distance and the rotation travelled, and with the covariance that the odometry states of itself.
+///
+/// That covariance counts where it grows, because the odometry loses its way, and where it shrinks,
+/// because the odometry then revises what it said before, as much as it has become surer of: along
+/// a straight way a bias of the accelerometer is a tilt, and the first bend tells them apart. What
+/// an old error of the rotation does to the position as the robot drives on is no movement.
 class OdometryDrift {
  public:
   struct Config {
@@ -23,7 +46,7 @@ class OdometryDrift {
     double yaw = 0.0;               ///< [rad / sqrt(m travelled)]
     double yaw_by_rotation = 0.0;   ///< [rad / sqrt(rad turned)]
     double tilt = 0.0;              ///< roll and pitch each [rad / sqrt(m travelled)]
-    double covariance_share = 0.0;  ///< of the growth of the odometry's own variances that counts
+    double covariance_share = 0.0;  ///< of the movement of the odometry's own covariance
   };
   explicit OdometryDrift(const Config& config);
 
@@ -31,13 +54,11 @@ class OdometryDrift {
   DriftStep step(const OdometryEstimate& estimate);
 
  private:
-  /// Variances of [x, y, z, yaw] in odom axes. Only a new maximum counts as growth, so that
-  /// estimates that fluctuate do not add up.
-  Eigen::Vector4d growth(const OdometryEstimate& estimate);
+  Matrix6d claimed(const OdometryEstimate& estimate);
 
   Config config_;
   std::optional<Pose> last_T_odom_body_;
-  Eigen::Vector4d largest_variance_ = Eigen::Vector4d::Zero();
+  std::array<VarianceMovement, 6> movements_;  // rotation; position apart from it; odom axes
 };
 
 OdometryDrift::Config read_odometry_drift_config(ConfigReader section);

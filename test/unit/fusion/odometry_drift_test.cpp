@@ -1,6 +1,6 @@
 #include "robot/fusion/odometry_drift.hpp"
 
-#include <numbers>
+#include <initializer_list>
 
 #include <gtest/gtest.h>
 
@@ -63,15 +63,78 @@ TEST(OdometryDrift, TurnsAboutTheBody) {
   EXPECT_NEAR(Q_body(2, 2), 1e-6, 1e-12);
 }
 
-TEST(OdometryDrift, CountsOnlyNewMaximaOfTheOdometrysVariance) {
-  OdometryDrift drift(kConfig);
-  OdometryEstimate estimate;
-  Matrix6d sum = Matrix6d::Zero();
-  for (const double variance : {0.01, 0.03, 0.02, 0.03, 0.05, 0.01}) {
-    estimate.covariance(5, 5) = variance;
-    sum += drift.step(estimate).covariance;
+double movement_over(std::initializer_list<double> variances) {
+  VarianceMovement movement;
+  double sum = 0.0;
+  for (const double variance : variances) {
+    const auto [up, down] = movement.to(variance);
+    sum += up + down;
   }
-  EXPECT_NEAR(sum(5, 5), 0.04, 1e-12);
+  return sum;
+}
+
+TEST(OdometryDrift, CountsHowFarAVarianceMoves) {
+  EXPECT_DOUBLE_EQ(movement_over({0.01}), 0.0);
+  EXPECT_DOUBLE_EQ(movement_over({0.01, 0.03, 0.05}), 0.04);
+  EXPECT_DOUBLE_EQ(movement_over({0.05, 0.03, 0.01}), 0.04);
+  EXPECT_DOUBLE_EQ(movement_over({0.01, 0.05, 0.02, 0.06}), 0.04 + 0.03 + 0.04);
+}
+
+TEST(OdometryDrift, CountsNoFluctuationOfAVariance) {
+  EXPECT_DOUBLE_EQ(movement_over({1.0, 0.8, 1.0, 0.8, 1.25, 0.9}), 0.25);
+  EXPECT_DOUBLE_EQ(movement_over({1.0, 0.5, 0.6, 0.5, 0.6}), 0.5);
+}
+
+/// Errors of the rotation (roll, pitch, yaw) that have turned the way about its beginning, 40 m
+/// back, and some of the position itself.
+Matrix6d covariance_after_straight_way(const Eigen::Vector3d& rotation_sigmas,
+                                       double position_sigma_m) {
+  Matrix6d J = Matrix6d::Identity();
+  J.bottomLeftCorner<3, 3>() = -hat(Eigen::Vector3d(40.0, 0.0, 0.0));
+  Vector6d variances;
+  variances << rotation_sigmas.cwiseAbs2(),
+      Eigen::Vector3d::Constant(position_sigma_m * position_sigma_m);
+  return J * variances.asDiagonal() * J.transpose();
+}
+
+TEST(OdometryDrift, IsNotWhatAnOldErrorOfTheRotationDoesFartherOn) {
+  const OdometryDrift::Config config{.covariance_share = 1.0};
+  OdometryDrift drift(config);
+  OdometryEstimate estimate;
+  for (const double metres : {0.0, 10.0, 20.0, 30.0, 40.0}) {
+    Matrix6d J = Matrix6d::Identity();
+    J.bottomLeftCorner<3, 3>() = -hat(Eigen::Vector3d(metres, 0.0, 0.0));
+    estimate.state.T_odom_body.p.x() = metres;
+    estimate.covariance.topLeftCorner<6, 6>() = 1e-4 * J * J.transpose();
+    EXPECT_LT(drift.step(estimate).covariance.norm(), 1e-12);
+  }
+}
+
+// An optimal estimate that learns its rotation: what it moves by is what it becomes surer of.
+TEST(OdometryDrift, IsWhatAnEstimateIsRevisedBy) {
+  const Matrix6d before = covariance_after_straight_way({0.015, 0.012, 0.02}, 0.1);
+  Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Zero();
+  H.leftCols<3>().setIdentity();
+  const Eigen::Matrix3d R = Eigen::Vector3d(1e-5, 2e-5, 3e-5).asDiagonal();
+  const Eigen::Matrix3d S = H * before * H.transpose() + R;
+  const Eigen::Matrix<double, 6, 3> K = before * H.transpose() * S.inverse();
+  const Matrix6d revision = K * S * K.transpose();
+
+  OdometryDrift drift({.covariance_share = 1.0});
+  OdometryEstimate estimate;
+  estimate.state.T_odom_body = {exp_so3({0.0, 0.0, 0.7}), {20.0, 30.0, 1.0}};
+  const auto at_the_body = [&](const Matrix6d& in_odom_axes) {
+    const Matrix6d A = adjoint({estimate.state.T_odom_body.R.conjugate(), Eigen::Vector3d::Zero()});
+    return Matrix6d(A * in_odom_axes * A.transpose());
+  };
+  estimate.covariance.topLeftCorner<6, 6>() = at_the_body(before);
+  drift.step(estimate);
+  estimate.covariance.topLeftCorner<6, 6>() = at_the_body(before - revision);
+  const Matrix6d moved = drift.step(estimate).covariance;
+
+  const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), estimate.state.T_odom_body.p});
+  const Matrix6d expected = A * revision * A.transpose();
+  EXPECT_LT((moved - expected).norm(), 1e-9 * expected.norm()) << moved << "\n\n" << expected;
 }
 
 }  // namespace
