@@ -96,4 +96,19 @@ Thing Ground::thing() const {
   return ground;
 }
 
+void cover_with_snow(Thing& ground, const RouteField& route, float depth_m, std::uint64_t seed) {
+  constexpr float kHalfLane_m = 1.2F;
+  constexpr float kHeap_m = 3.0F;   // beside the lane; beyond the snow lies as it fell
+  constexpr float kHeaped = 0.6F;   // beside the lane, in depths
+  constexpr float kSlope_m = 0.8F;  // from the lane up
+  const std::uint32_t drifts = Draw(seed, Lot::kGround, 1).bits();
+  for (Eigen::Vector3f& vertex : ground.mesh.vertices) {
+    const float beside = route.distance(vertex.head<2>(), kHalfLane_m + kHeap_m) - kHalfLane_m;
+    if (beside <= 0.0F) continue;
+    const float drift = 0.7F + 0.6F * smooth_noise(0.15F * vertex.x(), 0.15F * vertex.y(), drifts);
+    const float heap = kHeaped * (1.0F - beside / kHeap_m);
+    vertex.z() += depth_m * (drift + heap) * std::min(1.0F, beside / kSlope_m);
+  }
+}
+
 }  // namespace fleetloc

@@ -25,6 +25,10 @@ class Ground {
   std::uint32_t seed_;
 };
 
+/// Snow on the ground of Ground::thing(): `depth_m` deep, more and less, but for a lane along the
+/// route, beside which it is heaped up.
+void cover_with_snow(Thing& ground, const RouteField& route, float depth_m, std::uint64_t seed);
+
 enum GroundSurface : std::uint32_t { kPath, kVerge, kGrass };
 
 }  // namespace fleetloc

@@ -64,6 +64,7 @@ SessionConfig read_session(const std::string& name, ConfigReader config) {
   session.leaf_albedo = share(config, "leaf_albedo");
   session.grass_albedo = share(config, "grass_albedo");
   session.snow = share(config, "snow");
+  session.snow_depth_m = within(config, "snow_depth_m", 0.0, 1.0);
   session.cars_present = share(config, "cars_present");
   session.cars_changed = share(config, "cars_changed");
   session.structures_present = share(config, "structures_present");

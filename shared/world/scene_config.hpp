@@ -52,6 +52,7 @@ struct SessionConfig {
   float leaf_albedo;
   float grass_albedo;
   float snow;          ///< share of the level ground under snow
+  float snow_depth_m;  ///< beside the lane
   float cars_present;  ///< share of the parking places
   float cars_changed;  ///< share of them that is not as it is in the survey
   float structures_present;

@@ -154,7 +154,11 @@ SessionScene apply_session(const Scene& scene,
                             .surfaces = {},
                             .movers = {}};
   const auto add = [&](const Thing& thing) { append(thing, parts.mesh, parts.surfaces); };
-  add(scene.ground);
+  Thing ground = scene.ground;
+  if (session.snow_depth_m > 0.0F) {
+    cover_with_snow(ground, *scene.route, session.snow_depth_m, furnisher.session_seed());
+  }
+  add(ground);
   for (std::size_t i = 0; i < scene.buildings.size(); ++i) {
     add(furnisher.building(i, session.facades_changed));
   }
