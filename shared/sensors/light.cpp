@@ -18,18 +18,12 @@ constexpr float kThrough = 0.45F;  // share of the sun that shines through a lea
 constexpr std::uint32_t kSkyKey = 0xffffffffU;
 constexpr std::uint32_t kLeafKey = 0xfffffffeU;  // edges between leaves are not worth the time
 
-std::uint32_t mixed(std::uint32_t h) {
-  h ^= h >> 16U;
-  h *= 0x7feb352dU;
-  h ^= h >> 15U;
-  h *= 0x846ca68bU;
-  return h ^ (h >> 16U);
-}
-
-/// A direction in coarse steps: triangles of one plane have the same.
-std::uint32_t facing(float x, float y, float z) {
-  const auto step = [](float value) { return static_cast<std::uint32_t>(3.0F * value + 8.5F); };
-  return (step(x) * 31U + step(y)) * 31U + step(z);
+/// A direction in coarse steps, in 16 bits: triangles of one plane have the same.
+Uint4 facing(const std::array<Float4, 3>& direction) {
+  const auto step = [](const Float4& value) {
+    return to_unsigned(to_integer(3.0F * value + 8.5F));
+  };
+  return (step(direction[0]) * 31U + step(direction[1])) * 31U + step(direction[2]);
 }
 
 /// A point of the sun's disc.
@@ -41,11 +35,11 @@ Eigen::Vector3f towards_sun(const Light& light, std::uint8_t part) {
          kSunRadius_rad * (xy[0] * light.sun_left_map + xy[1] * light.sun_up_map);
 }
 
-float sky(const Eigen::Vector3f& direction, const Light& light) {
-  const float up = std::max(direction.z(), 0.0F);
-  const float clouds =
-      smooth_noise(3.0F * direction.x() / (up + 0.3F), 3.0F * direction.y() / (up + 0.3F), 7U);
-  const float clear = 1.25F * light.ambient * (1.0F - 0.35F * up) + 0.15F * light.sun;
+Float4 sky(const std::array<Float4, 3>& direction, const Light& light) {
+  const Float4 up = max4(direction[2], all4(0.0F));
+  const Float4 per_height = 3.0F / (up + 0.3F);
+  const Float4 clouds = smooth_noise(direction[0] * per_height, direction[1] * per_height, 7U);
+  const Float4 clear = 1.25F * light.ambient * (1.0F - 0.35F * up) + 0.15F * light.sun;
   return clear * (0.92F + 0.16F * clouds);
 }
 
@@ -63,55 +57,95 @@ void set_lane(RayPacket& rays,
   rays.most_m[i] = kFarthest_m;
 }
 
-float snowy_albedo(const Surface& surface, const SeenPoint& seen, const Light& light) {
+/// What of the sun's light a surface takes, by the cosine of the sun's angle to its normal.
+float taken(const Surface& surface, float along) {
+  return std::max(along, surface.is_thin ? -kThrough * along : 0.0F);
+}
+
+Float4 snowy_albedo(const Surface& surface, const SeenPoints& seen, const Light& light) {
   static const Surface snow = make_surface(Pattern::kSnow, kSnowAlbedo, 1U, {});
-  const float share = surface.takes_snow ? snow_share(seen, light.snow) : 0.0F;
-  const float bare = share < 1.0F ? albedo(surface, seen) : 0.0F;
-  return share > 0.0F ? (1.0F - share) * bare + share * albedo(snow, seen) : bare;
+  const Float4 share = surface.takes_snow ? snow_share(seen, light.snow) : all4(0.0F);
+  const Float4 bare = any(share < 1.0F) ? albedo(surface, seen) : all4(0.0F);
+  if (!any(share > 0.0F)) return bare;
+  return (1.0F - share) * bare + share * albedo(snow, seen);
 }
 
-SeenPoint point_of(const RayPacket& rays, const HitPacket& hits, std::size_t i) {
-  SeenPoint point;
-  point.direction_map = {rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]};
-  point.normal_map = {hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]};
-  point.p_map = Eigen::Vector3f(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]) +
-                hits.distance_m[i] * point.direction_map;
-  return point;
-}
-
-/// What a lane's surface does with light.
+/// What surfaces do with light.
 struct Shading {
-  RayPacket::Lanes<float> albedo{};
-  RayPacket::Lanes<float> sun{};  ///< that it takes of the sun: 0 where that does not reach it
+  Float4 albedo;
+  Float4 taken;  ///< of the sun
+  Int4 is_thin;
 };
 
+/// Four hits; lanes without are undefined.
 Shading shaded(const SceneView& view,
                const Light& light,
-               const ViewPacket& packet,
-               const HitPacket& hits) {
-  Shading shading;
-  RayPacket sun_rays{};
-  sun_rays.most_m.fill(-1.0F);
-  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
-    if (hits.distance_m[i] == HitPacket::kNone) continue;
-    SeenPoint point = point_of(packet.rays, hits, i);
-    point.pixel_m = hits.distance_m[i] * packet.pixel_rad;
-    const Surface& surface = view.surfaces[hits.surface[i]];
-    shading.albedo[i] = snowy_albedo(surface, point, light);
-    const float along = point.normal_map.dot(light.to_sun_map);
-    const float through = surface.is_thin ? -kThrough * along : 0.0F;
-    shading.sun[i] = light.sun * std::max(along, through);
-    if (shading.sun[i] <= 0.0F) continue;
-    const float side = along > 0.0F ? kShadowSkin_m : -kShadowSkin_m;
-    const Eigen::Vector3f from = point.p_map + side * point.normal_map;
-    set_lane(sun_rays, i, from, towards_sun(light, packet.sun_part[i]));
+               const SeenPoints& seen,
+               const HitPacket& hits,
+               std::size_t first) {
+  const Uint4 surfaces = load4(&hits.surface[first]);
+  const auto& n = seen.normal_map;
+  const Float4 along =
+      n[0] * light.to_sun_map.x() + n[1] * light.to_sun_map.y() + n[2] * light.to_sun_map.z();
+  Shading shading{};
+  Int4 is_done{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (is_done[i] != 0 || hits.distance_m[first + i] == HitPacket::kNone) continue;
+    const Surface& surface = view.surfaces[hits.surface[first + i]];
+    const Int4 is_same = surfaces == hits.surface[first + i];
+    shading.albedo = is_same ? snowy_albedo(surface, seen, light) : shading.albedo;
+    shading.is_thin |= is_same & (surface.is_thin ? ~Int4{} : Int4{});
+    is_done |= is_same;
   }
-  const std::uint32_t shadow = view.caster.occluded(sun_rays);
-  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
-    const bool is_dark = ((shadow >> i) & 1U) != 0U || shading.sun[i] < 0.0F;
-    if (is_dark) shading.sun[i] = 0.0F;
-  }
+  shading.taken = max4(along, shading.is_thin ? -kThrough * along : all4(0.0F));
   return shading;
+}
+
+/// Four lanes of a SeenPacket.
+struct Seen4 {
+  Float4 radiance;
+  Float4 sun;
+  Uint4 key;
+};
+
+std::array<Float4, 3> directions(const RayPacket& rays, std::size_t first) {
+  return {load4(&rays.direction_x[first]),
+          load4(&rays.direction_y[first]),
+          load4(&rays.direction_z[first])};
+}
+
+Seen4 seen_sky(const Light& light, const ViewPacket& packet, std::size_t first) {
+  return {.radiance = sky(directions(packet.rays, first), light),
+          .sun = all4(0.0F),
+          .key = Uint4{} + kSkyKey};
+}
+
+/// Lanes without a hit are undefined.
+Seen4 seen_surfaces(const SceneView& view,
+                    const Light& light,
+                    const ViewPacket& packet,
+                    const HitPacket& hits,
+                    std::size_t first) {
+  const RayPacket& rays = packet.rays;
+  const auto direction = directions(rays, first);
+  const Float4 distance_or_none = load4(&hits.distance_m[first]);
+  const Float4 distance_m = distance_or_none < HitPacket::kNone ? distance_or_none : all4(0.0F);
+  const SeenPoints points = {.p_map = {load4(&rays.origin_x[first]) + distance_m * direction[0],
+                                       load4(&rays.origin_y[first]) + distance_m * direction[1],
+                                       load4(&rays.origin_z[first]) + distance_m * direction[2]},
+                             .normal_map = {load4(&hits.normal_x[first]),
+                                            load4(&hits.normal_y[first]),
+                                            load4(&hits.normal_z[first])},
+                             .direction_map = direction,
+                             .pixel_m = distance_m * packet.pixel_rad};
+  const Shading shading = shaded(view, light, points, hits, first);
+  const float air = 1.2F * light.ambient + 0.15F * light.sun;
+  const Float4 from_sky = light.ambient * (0.7F + 0.3F * points.normal_map[2]);
+  const Float4 clear = exponential(-distance_m / light.haze_m);
+  const Uint4 side_key = (load4(&hits.surface[first]) << 16U) | facing(points.normal_map);
+  return {.radiance = clear * shading.albedo * from_sky + (1.0F - clear) * air,
+          .sun = clear * shading.albedo * light.sun * shading.taken,
+          .key = shading.is_thin ? Uint4{} + kLeafKey : side_key};
 }
 
 }  // namespace
@@ -129,30 +163,49 @@ Light light_of(const SessionScene& scene) {
           .snow = config.snow};
 }
 
-SeenPacket see(const SceneView& view, const Light& light, const ViewPacket& packet) {
+SeenPacket see(const SceneView& view,
+               const Light& light,
+               const ViewPacket& packet,
+               const HitPacket& hits) {
   const RayPacket& rays = packet.rays;
-  const HitPacket hits = view.caster.first_hits(rays);
-  const Shading shading = shaded(view, light, packet, hits);
-  const float air = 1.2F * light.ambient + 0.15F * light.sun;
   SeenPacket seen{};
-  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
-    if (rays.most_m[i] < 0.0F) continue;
-    if (hits.distance_m[i] == HitPacket::kNone) {
-      seen.radiance[i] =
-          sky({rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]}, light);
-      seen.key[i] = kSkyKey;
-      continue;
-    }
-    const float from_sky = light.ambient * (0.7F + 0.3F * hits.normal_z[i]);
-    const float reflected = shading.albedo[i] * (from_sky + shading.sun[i]);
-    const float clear = std::exp(-hits.distance_m[i] / light.haze_m);
-    seen.radiance[i] = clear * reflected + (1.0F - clear) * air;
-    const std::uint32_t side = facing(hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]);
-    const std::uint32_t key =
-        mixed(2U * hits.surface[i] + (shading.sun[i] > 0.0F ? 1U : 0U)) ^ side;
-    seen.key[i] = view.surfaces[hits.surface[i]].is_thin ? kLeafKey : key;
+  for (std::size_t first = 0; first < RayPacket::kSize; first += 4) {
+    const Int4 is_hit = load4(&hits.distance_m[first]) < HitPacket::kNone;
+    const Seen4 far = any(~is_hit) ? seen_sky(light, packet, first) : Seen4{};
+    const Seen4 near = any(is_hit) ? seen_surfaces(view, light, packet, hits, first) : Seen4{};
+    const Int4 is_used = load4(&rays.most_m[first]) >= 0.0F;
+    const Float4 radiance = is_hit ? near.radiance : far.radiance;
+    const Uint4 key = is_hit ? near.key : far.key;
+    store4(is_used ? radiance : all4(0.0F), &seen.radiance[first]);
+    store4(is_hit ? near.sun : all4(0.0F), &seen.sun[first]);
+    store4(is_used ? key : Uint4{}, &seen.key[first]);
   }
   return seen;
+}
+
+std::uint32_t sunlit(const SceneView& view,
+                     const Light& light,
+                     const ViewPacket& packet,
+                     const HitPacket& hits) {
+  const RayPacket& rays = packet.rays;
+  RayPacket sun_rays{};
+  sun_rays.most_m.fill(-1.0F);
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
+    if (hits.distance_m[i] == HitPacket::kNone) continue;
+    const Eigen::Vector3f normal(hits.normal_x[i], hits.normal_y[i], hits.normal_z[i]);
+    const float along = normal.dot(light.to_sun_map);
+    if (taken(view.surfaces[hits.surface[i]], along) <= 0.0F) continue;
+    const Eigen::Vector3f origin(rays.origin_x[i], rays.origin_y[i], rays.origin_z[i]);
+    const Eigen::Vector3f direction(rays.direction_x[i], rays.direction_y[i], rays.direction_z[i]);
+    const float side = along > 0.0F ? kShadowSkin_m : -kShadowSkin_m;
+    set_lane(sun_rays,
+             i,
+             origin + hits.distance_m[i] * direction + side * normal,
+             towards_sun(light, packet.sun_part[i]));
+    bits |= 1U << i;
+  }
+  return bits & ~view.caster.occluded(sun_rays);
 }
 
 }  // namespace fleetloc

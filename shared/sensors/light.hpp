@@ -7,9 +7,15 @@
 
 namespace fleetloc {
 
-/// The sun's disc is taken as so many points. A pixel sees one of them, its neighbours the others,
-/// so that a soft shadow is an edge everywhere, and an edge gets all of them.
+/// The sun's disc is taken as so many points, each pixel and its neighbours on either side see
+/// another one. A soft shadow is the mean over them.
 inline constexpr int kSunParts = 3;
+
+/// Where pixels look, in the camera's frame.
+struct CameraPacket {
+  RayPacket::Lanes<float> direction_x, direction_y, direction_z;  ///< zero in unused lanes
+  RayPacket::Lanes<std::uint8_t> sun_part;
+};
 
 /// Rays of pixels.
 struct ViewPacket {
@@ -20,9 +26,10 @@ struct ViewPacket {
 
 /// What the rays of a packet see.
 struct SeenPacket {
-  RayPacket::Lanes<float> radiance;
-  /// Differs, with few exceptions, where two pixels see different things, sides of a thing, or sun
-  /// and shadow; for finding edges.
+  RayPacket::Lanes<float> radiance;  ///< by the light of the sky alone
+  RayPacket::Lanes<float> sun;       ///< that adds to it where the sun shines
+  /// The surface, in the upper 16 bits, and which way it faces there; for finding edges. All
+  /// leaves have one key, the sky has another; zero in unused lanes.
   RayPacket::Lanes<std::uint32_t> key;
 };
 
@@ -39,7 +46,16 @@ struct Light {
 
 Light light_of(const SessionScene& scene);
 
-/// Sun with a soft shadow, light of the sky, haze.
-SeenPacket see(const SceneView& view, const Light& light, const ViewPacket& packet);
+/// Sky, haze, and what the sun would add.
+SeenPacket see(const SceneView& view,
+               const Light& light,
+               const ViewPacket& packet,
+               const HitPacket& hits);
+
+/// Bit i is set where nothing hides the packet's part of the sun from what ray i meets.
+std::uint32_t sunlit(const SceneView& view,
+                     const Light& light,
+                     const ViewPacket& packet,
+                     const HitPacket& hits);
 
 }  // namespace fleetloc

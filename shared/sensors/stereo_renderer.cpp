@@ -1,21 +1,22 @@
 #include "shared/sensors/stereo_renderer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <span>
+#include <utility>
 
 #include "shared/core/counter_random.hpp"
 #include "shared/sensors/parallel_rows.hpp"
+#include "shared/sensors/pixel_block.hpp"
 
 namespace fleetloc {
 namespace {
 
 constexpr float kFarthest_m = 1000.0F;
 
-/// Beside the pixel's middle [px]: with it, spread over the pixel.
-const std::array<Eigen::Vector2f, kSunParts - 1> kEdgeOffsets = {
-    {{-0.33F, -0.25F}, {0.33F, 0.25F}}};
+constexpr auto kBlockOffsets = PixelBlock::lattice_first();
+constexpr float kLeastContrast = 0.04F;  // that an edge must have to be smoothed
 
 struct CameraFrame {
   explicit CameraFrame(const Pose& T_map_cam)
@@ -24,50 +25,70 @@ struct CameraFrame {
   Eigen::Vector3f p_map;
 };
 
-ViewPacket empty_packet(const ViewRays& rays) {
-  ViewPacket packet{};
-  packet.rays.most_m.fill(-1.0F);
-  packet.pixel_rad = rays.pixel_rad();
-  return packet;
+/// What a pixel's ray sees of the sun.
+std::uint8_t sun_part(int u, int v) {
+  return static_cast<std::uint8_t>((u + v) % kSunParts);
 }
 
-/// What a pixel's first ray sees of the sun.
-int first_sun_part(int u, int v) {
-  return (u + v) % kSunParts;
+int rows_of_blocks(int height_px) {
+  return (height_px + PixelBlock::kHeight - 1) / PixelBlock::kHeight;
 }
 
-/// A direction of zero leaves the lane unused.
-void set_ray(RayPacket& rays,
-             std::size_t lane,
-             const CameraFrame& frame,
-             const Eigen::Vector3f& direction_cam) {
-  const Eigen::Vector3f direction = frame.R_map_cam * direction_cam;
-  rays.origin_x[lane] = frame.p_map.x();
-  rays.origin_y[lane] = frame.p_map.y();
-  rays.origin_z[lane] = frame.p_map.z();
-  rays.direction_x[lane] = direction.x();
-  rays.direction_y[lane] = direction.y();
-  rays.direction_z[lane] = direction.z();
-  rays.most_m[lane] = direction_cam.isZero() ? -1.0F : kFarthest_m;
-}
-
-/// Pixels of a row that differ from one of their neighbours.
-std::vector<int> edge_pixels(const std::vector<std::uint32_t>& keys,
-                             int row,
-                             int width,
-                             int height) {
-  std::vector<int> found;
-  const auto at = [&](int u, int v) {
-    const int index = std::clamp(v, 0, height - 1) * width + std::clamp(u, 0, width - 1);
-    return keys[static_cast<std::size_t>(index)];
-  };
-  for (int u = 0; u < width; ++u) {
-    const std::uint32_t own = at(u, row);
-    const bool is_edge = own != at(u - 1, row) || own != at(u + 1, row) || own != at(u, row - 1) ||
-                         own != at(u, row + 1);
-    if (is_edge) found.push_back(u);
+/// Calls `act(u, v, i)` for the pixels of the block at (first_u, first_v) that lie in the image.
+template <typename Act>
+void for_each_pixel(const ViewRays& rays, int first_u, int first_v, const Act& act) {
+  for (std::size_t i = 0; i < kBlockOffsets.size(); ++i) {
+    const int u = first_u + kBlockOffsets[i].u;
+    const int v = first_v + kBlockOffsets[i].v;
+    if (u < rays.width_px() && v < rays.height_px()) act(u, v, i);
   }
-  return found;
+}
+
+void set_lane(CameraPacket& packet,
+              std::size_t lane,
+              const Eigen::Vector3f& direction_cam,
+              std::uint8_t part) {
+  packet.direction_x[lane] = direction_cam.x();
+  packet.direction_y[lane] = direction_cam.y();
+  packet.direction_z[lane] = direction_cam.z();
+  packet.sun_part[lane] = part;
+}
+
+/// By rows of blocks; lanes beyond the image stay zero.
+std::vector<std::array<CameraPacket, PixelBlock::kPackets>> blocks_of(const ViewRays& rays) {
+  std::vector<std::array<CameraPacket, PixelBlock::kPackets>> blocks;
+  for (int v = 0; v < rays.height_px(); v += PixelBlock::kHeight) {
+    for (int u = 0; u < rays.width_px(); u += PixelBlock::kWidth) {
+      auto& block = blocks.emplace_back();
+      for_each_pixel(rays, u, v, [&](int pixel_u, int pixel_v, std::size_t i) {
+        set_lane(block.at(i / RayPacket::kSize),
+                 i % RayPacket::kSize,
+                 rays.direction(pixel_u, pixel_v),
+                 sun_part(pixel_u, pixel_v));
+      });
+    }
+  }
+  return blocks;
+}
+
+ViewPacket in_map(const CameraPacket& packet, const CameraFrame& frame, float pixel_rad) {
+  ViewPacket view{};
+  view.sun_part = packet.sun_part;
+  view.pixel_rad = pixel_rad;
+  view.rays.origin_x.fill(frame.p_map.x());
+  view.rays.origin_y.fill(frame.p_map.y());
+  view.rays.origin_z.fill(frame.p_map.z());
+  const Eigen::Matrix3f& R = frame.R_map_cam;
+  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
+    const float x = packet.direction_x[i];
+    const float y = packet.direction_y[i];
+    const float z = packet.direction_z[i];
+    view.rays.direction_x[i] = R(0, 0) * x + R(0, 1) * y + R(0, 2) * z;
+    view.rays.direction_y[i] = R(1, 0) * x + R(1, 1) * y + R(1, 2) * z;
+    view.rays.direction_z[i] = R(2, 0) * x + R(2, 1) * y + R(2, 2) * z;
+    view.rays.most_m[i] = x * x + y * y + z * z > 0.0F ? kFarthest_m : -1.0F;
+  }
+  return view;
 }
 
 }  // namespace
@@ -80,18 +101,18 @@ StereoRenderer::StereoRenderer(const StereoCalibration& calibration,
       scene_(&scene),
       light_(light_of(scene)),
       exposure_(config.exposure),
-      eyes_{{{.rays = ViewRays(calibration.cam0),
-              .T_body_cam = calibration.T_body_cam0,
-              .response = PixelResponse(config.noise, CounterRandom(seed, 0)),
-              .radiance = {},
-              .smoothed = {},
-              .keys = {}},
-             {.rays = ViewRays(calibration.cam1),
-              .T_body_cam = calibration.T_body_cam1,
-              .response = PixelResponse(config.noise, CounterRandom(seed, 1)),
-              .radiance = {},
-              .smoothed = {},
-              .keys = {}}}} {}
+      eyes_{Eye(calibration.cam0,
+                calibration.T_body_cam0,
+                PixelResponse(config.noise, CounterRandom(seed, 0))),
+            Eye(calibration.cam1,
+                calibration.T_body_cam1,
+                PixelResponse(config.noise, CounterRandom(seed, 1)))} {}
+
+StereoRenderer::Eye::Eye(const Camera& camera, Pose T_body_camera, const PixelResponse& noise)
+    : rays(camera),
+      blocks(blocks_of(rays)),
+      T_body_cam(std::move(T_body_camera)),
+      response(noise) {}
 
 StereoFrame StereoRenderer::render(const Shot& shot, const Motion& T_map_body) {
   for (Eye& eye : eyes_) expose(eye, shot, T_map_body);
@@ -113,7 +134,8 @@ void StereoRenderer::expose(Eye& eye, const Shot& shot, const Motion& T_map_body
     const SceneView view = scene_->at(time_s);
     const Pose T_map_cam = T_map_body(time_s) * eye.T_body_cam;
     trace(eye, view, T_map_cam);
-    if (config_.smooth_edges && config_.motion_samples == 1) trace_edges(eye, view, T_map_cam);
+    add_sun(eye);
+    if (config_.smooth_edges && config_.motion_samples == 1) smooth_edges(eye, view, T_map_cam);
     if (config_.motion_samples == 1) return;
     if (sum.empty()) sum.resize(eye.radiance.size());
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += eye.radiance[k];
@@ -124,56 +146,147 @@ void StereoRenderer::expose(Eye& eye, const Shot& shot, const Motion& T_map_body
 
 void StereoRenderer::trace(Eye& eye, const SceneView& view, const Pose& T_map_cam) {
   const int width = eye.rays.width_px();
+  const int height = eye.rays.height_px();
   const CameraFrame frame(T_map_cam);
-  const auto pixels =
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(eye.rays.height_px());
-  eye.radiance.assign(pixels, 0.0F);
-  eye.keys.assign(pixels, 0U);
-  for_each_row(eye.rays.height_px(), config_.threads, [&](int row) {
-    for (int first = 0; first < width; first += RayPacket::kSize) {
-      ViewPacket packet = empty_packet(eye.rays);
-      const int count = std::min(RayPacket::kSize, width - first);
-      for (int i = 0; i < count; ++i) {
-        const auto lane = static_cast<std::size_t>(i);
-        set_ray(packet.rays, lane, frame, eye.rays.direction(first + i, row));
-        packet.sun_part[lane] = static_cast<std::uint8_t>(first_sun_part(first + i, row));
+  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  eye.radiance.resize(pixels);
+  eye.sun.resize(pixels);
+  eye.keys.resize(pixels);
+  eye.sunlit.resize(pixels);
+  const int rows = rows_of_blocks(height);
+  const std::size_t blocks_per_row = eye.blocks.size() / static_cast<std::size_t>(rows);
+  for_each_row(rows, config_.threads, [&](int row) {
+    const auto* block = &eye.blocks[static_cast<std::size_t>(row) * blocks_per_row];
+    for (int first_u = 0; first_u < width; first_u += PixelBlock::kWidth) {
+      PixelBlock::Packets packets;
+      for (std::size_t i = 0; i < packets.size(); ++i) {
+        packets[i] = in_map((*block)[i], frame, eye.rays.pixel_rad());
       }
-      const SeenPacket seen = see(view, light_, packet);
-      const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                      static_cast<std::size_t>(first);
-      std::copy_n(seen.radiance.begin(), count, &eye.radiance[at]);
-      std::copy_n(seen.key.begin(), count, &eye.keys[at]);
+      const PixelBlock::Seen seen = see_block(view, light_, packets);
+      const int first_v = row * PixelBlock::kHeight;
+      for_each_pixel(eye.rays, first_u, first_v, [&](int u, int v, std::size_t i) {
+        const std::size_t packet = i / RayPacket::kSize;
+        const std::size_t lane = i % RayPacket::kSize;
+        const std::size_t pixel = eye.rays.index(u, v);
+        eye.radiance[pixel] = seen.packets[packet].radiance[lane];
+        eye.sun[pixel] = seen.packets[packet].sun[lane];
+        eye.keys[pixel] = seen.packets[packet].key[lane];
+        eye.sunlit[pixel] = (seen.sunlit[packet] >> lane) & 1U;
+      });
+      ++block;
     }
   });
 }
 
-void StereoRenderer::trace_edges(Eye& eye, const SceneView& view, const Pose& T_map_cam) {
+void StereoRenderer::add_sun(Eye& eye) const {
+  const auto width = static_cast<std::size_t>(eye.rays.width_px());
+  for_each_row(eye.rays.height_px(), config_.threads, [&](int v) {
+    const std::vector<int> lit = sunlit_of_three(eye, v);
+    for (std::size_t u = 0; u < width; ++u) {
+      const int sum = lit[u > 0 ? u - 1 : u] + lit[u] + lit[std::min(u + 1, width - 1)];
+      if (sum == 0) continue;
+      const int column = static_cast<int>(u);
+      const float share = sum == 9 ? 1.0F : sunlit_share(eye, column, v);
+      const std::size_t pixel = eye.rays.index(column, v);
+      eye.radiance[pixel] += share * eye.sun[pixel];
+    }
+  });
+}
+
+std::vector<int> StereoRenderer::sunlit_of_three(const Eye& eye, int v) {
+  std::vector<int> sum(static_cast<std::size_t>(eye.rays.width_px()));
+  for (const int near : {v - 1, v, v + 1}) {
+    const int row = std::clamp(near, 0, eye.rays.height_px() - 1);
+    const std::uint8_t* sunlit = &eye.sunlit[eye.rays.index(0, row)];
+    for (std::size_t u = 0; u < sum.size(); ++u) sum[u] += sunlit[u];
+  }
+  return sum;
+}
+
+float StereoRenderer::sunlit_share(const Eye& eye, int u, int v) {
+  const std::uint32_t surface = eye.keys[eye.rays.index(u, v)] >> 16U;
+  int lit = 0;
+  int count = 0;
+  for (int y = std::max(v - 1, 0); y <= std::min(v + 1, eye.rays.height_px() - 1); ++y) {
+    for (int x = std::max(u - 1, 0); x <= std::min(u + 1, eye.rays.width_px() - 1); ++x) {
+      const std::size_t pixel = eye.rays.index(x, y);
+      if (eye.keys[pixel] >> 16U != surface) continue;
+      lit += eye.sunlit[pixel];
+      ++count;
+    }
+  }
+  return static_cast<float>(lit) / static_cast<float>(count);
+}
+
+void StereoRenderer::smooth_edges(Eye& eye, const SceneView& view, const Pose& T_map_cam) {
+  const int rows = rows_of_blocks(eye.rays.height_px());
+  std::vector<std::vector<Edge>> edges(static_cast<std::size_t>(rows));
+  for_each_row(rows, config_.threads, [&](int row) {
+    std::vector<Edge>& found = edges[static_cast<std::size_t>(row)];
+    found = edges_in(eye, row);
+    look_at(found, eye, view, T_map_cam);
+  });
+  // A pixel is the mean over its square, by the trapezoidal rule along both of its axes.
+  std::vector<float> smoothed = eye.radiance;
+  for (const std::vector<Edge>& in_row : edges) {
+    for (const Edge& edge : in_row) {
+      for (const std::size_t pixel : {edge.pixel, edge.next}) {
+        smoothed[pixel] += 0.25F * (edge.radiance - eye.radiance[pixel]);
+      }
+    }
+  }
+  eye.radiance = std::move(smoothed);
+}
+
+void StereoRenderer::look_at(std::vector<Edge>& found,
+                             const Eye& eye,
+                             const SceneView& view,
+                             const Pose& T_map_cam) const {
+  const CameraFrame frame(T_map_cam);
+  for (std::size_t first = 0; first < found.size(); first += RayPacket::kSize) {
+    CameraPacket between{};
+    const std::size_t count = std::min<std::size_t>(RayPacket::kSize, found.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Edge& edge = found[first + i];
+      const Eigen::Vector3f direction = eye.rays.direction_between(edge.pixel, edge.next);
+      set_lane(between, i, direction, edge.sun_part);
+    }
+    const ViewPacket packet = in_map(between, frame, eye.rays.pixel_rad());
+    const HitPacket hits = view.caster.first_hits(packet.rays);
+    const SeenPacket seen = see(view, light_, packet, hits);
+    const std::uint32_t lit = sunlit(view, light_, packet, hits);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float sun = ((lit >> i) & 1U) != 0U ? seen.sun[i] : 0.0F;
+      found[first + i].radiance = seen.radiance[i] + sun;
+    }
+  }
+}
+
+bool StereoRenderer::differs(const Eye& eye, std::size_t pixel, std::size_t next) {
+  if (eye.keys[pixel] == eye.keys[next]) return false;
+  if (eye.keys[pixel] == 0U || eye.keys[next] == 0U) return false;
+  const float contrast = std::abs(eye.radiance[pixel] - eye.radiance[next]);
+  return contrast >= kLeastContrast * (eye.radiance[pixel] + eye.radiance[next]);
+}
+
+std::vector<StereoRenderer::Edge> StereoRenderer::edges_in(const Eye& eye, int row) {
   const int width = eye.rays.width_px();
   const int height = eye.rays.height_px();
-  const CameraFrame frame(T_map_cam);
-  eye.smoothed = eye.radiance;
-  for_each_row(height, config_.threads, [&](int row) {
-    const std::vector<int> edges = edge_pixels(eye.keys, row, width, height);
-    const std::size_t rays_per_row = edges.size() * kEdgeOffsets.size();
-    float* const to =
-        &eye.smoothed[static_cast<std::size_t>(row) * static_cast<std::size_t>(width)];
-    for (std::size_t first = 0; first < rays_per_row; first += RayPacket::kSize) {
-      ViewPacket packet = empty_packet(eye.rays);
-      const std::size_t count = std::min<std::size_t>(RayPacket::kSize, rays_per_row - first);
-      const auto pixel = [&](std::size_t ray) { return edges[ray / kEdgeOffsets.size()]; };
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t sample = (first + i) % kEdgeOffsets.size();
-        const int u = pixel(first + i);
-        set_ray(packet.rays, i, frame, eye.rays.direction_near(u, row, kEdgeOffsets.at(sample)));
-        const int part = first_sun_part(u, row) + 1 + static_cast<int>(sample);
-        packet.sun_part[i] = static_cast<std::uint8_t>(part % kSunParts);
-      }
-      const SeenPacket seen = see(view, light_, packet);
-      for (std::size_t i = 0; i < count; ++i) to[pixel(first + i)] += seen.radiance[i];
-    }
-    for (const int u : edges) to[u] /= static_cast<float>(kEdgeOffsets.size() + 1);
-  });
-  std::swap(eye.radiance, eye.smoothed);
+  const int first_v = row * PixelBlock::kHeight;
+  std::vector<Edge> edges;
+  for (int first_u = 0; first_u < width; first_u += PixelBlock::kWidth) {
+    for_each_pixel(eye.rays, first_u, first_v, [&](int u, int v, std::size_t) {
+      const std::size_t pixel = eye.rays.index(u, v);
+      const auto look = [&](std::size_t next) {
+        if (!differs(eye, pixel, next)) return;
+        edges.push_back(
+            {.pixel = pixel, .next = next, .radiance = 0.0F, .sun_part = sun_part(u, v + 2)});
+      };
+      if (u + 1 < width) look(pixel + 1);
+      if (v + 1 < height) look(pixel + static_cast<std::size_t>(width));
+    });
+  }
+  return edges;
 }
 
 cv::Mat StereoRenderer::developed(const Eye& eye, std::uint64_t frame, float gain) const {

@@ -1,7 +1,5 @@
 #include "shared/sensors/view_rays.hpp"
 
-#include <algorithm>
-
 namespace fleetloc {
 
 ViewRays::ViewRays(const Camera& camera)
@@ -16,18 +14,6 @@ ViewRays::ViewRays(const Camera& camera)
                                       : Eigen::Vector3f(Eigen::Vector3f::Zero()));
     }
   }
-}
-
-Eigen::Vector3f ViewRays::direction_near(int u, int v, const Eigen::Vector2f& offset_px) const {
-  const int left = std::max(u - 1, 0);
-  const int right = std::min(u + 1, width_px_ - 1);
-  const int above = std::max(v - 1, 0);
-  const int below = std::min(v + 1, height_px_ - 1);
-  const Eigen::Vector3f per_u =
-      (direction(right, v) - direction(left, v)) / static_cast<float>(right - left);
-  const Eigen::Vector3f per_v =
-      (direction(u, below) - direction(u, above)) / static_cast<float>(below - above);
-  return (direction(u, v) + offset_px.x() * per_u + offset_px.y() * per_v).normalized();
 }
 
 float ViewRays::vignetting(int u, int v, float corner_loss) const {

@@ -18,15 +18,19 @@ class ViewRays {
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
 
+  /// Of a pixel, by rows.
+  [[nodiscard]] std::size_t index(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px_) +
+           static_cast<std::size_t>(u);
+  }
   /// Unit length, in the camera's frame; zero where the distortion cannot be inverted.
   [[nodiscard]] const Eigen::Vector3f& direction(int u, int v) const {
-    return directions_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px_) +
-                       static_cast<std::size_t>(u)];
+    return directions_[index(u, v)];
   }
-  /// Of (u + du, v + dv), within half a pixel, from the neighbours.
-  [[nodiscard]] Eigen::Vector3f direction_near(int u,
-                                               int v,
-                                               const Eigen::Vector2f& offset_px) const;
+  /// Halfway from one pixel to a neighbour, both by their index.
+  [[nodiscard]] Eigen::Vector3f direction_between(std::size_t pixel, std::size_t next) const {
+    return (directions_[pixel] + directions_[next]).normalized();
+  }
 
   [[nodiscard]] float pixel_rad() const { return pixel_rad_; }  ///< about the image's middle
 

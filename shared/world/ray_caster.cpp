@@ -9,12 +9,14 @@
 
 #include <embree3/rtcore.h>
 
+#include "shared/world/packet_triangle.hpp"
 #include "shared/world/point_triangle.hpp"
 
 namespace fleetloc {
 namespace {
 
 constexpr float kSurfaceSkin_m = 0.002F;
+constexpr std::uint32_t kMoving = 0x80000000U;  // marks the numbers of triangles that move
 
 /// One for the program. A single thread builds: in parallel the trees would differ from run to run,
 /// and with them which of two triangles is hit on their common edge.
@@ -58,11 +60,17 @@ RTCRay single(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
   return ray;
 }
 
-/// Lanes in which there is a ray, as Embree wants them.
-std::array<int, RayPacket::kSize> valid_lanes(const RayPacket& rays) {
-  std::array<int, RayPacket::kSize> valid{};
+/// As Embree wants it: -1 for lanes in which there is a ray.
+struct alignas(64) ValidLanes : RayPacket::Lanes<int> {};
+
+ValidLanes valid_lanes(const RayPacket& rays) {
+  ValidLanes valid{};
   for (std::size_t i = 0; i < valid.size(); ++i) valid[i] = rays.most_m[i] >= 0.0F ? -1 : 0;
   return valid;
+}
+
+bool is_empty(const ValidLanes& valid) {
+  return std::all_of(valid.begin(), valid.end(), [](int lane) { return lane == 0; });
 }
 
 template <typename T>
@@ -70,8 +78,8 @@ void copy(const RayPacket::Lanes<T>& from, T* to) {
   std::memcpy(to, from.data(), sizeof(from));
 }
 
-RTCRay8 packet(const RayPacket& rays) {
-  RTCRay8 packet{};
+RTCRay16 packet(const RayPacket& rays) {
+  RTCRay16 packet{};
   copy(rays.origin_x, packet.org_x);
   copy(rays.origin_y, packet.org_y);
   copy(rays.origin_z, packet.org_z);
@@ -184,16 +192,41 @@ std::optional<Hit> RayCaster::first_hit(const Ray& ray, float most_m) const {
 }
 
 HitPacket RayCaster::first_hits(const RayPacket& rays) const {
-  RTCIntersectContext context = coherent_context();
-  const auto valid = valid_lanes(rays);
   HitPacket hits{};
   hits.distance_m.fill(HitPacket::kNone);
-  RTCRayHit8 query{};
+  trace(rays, hits);
+  return hits;
+}
+
+HitPacket RayCaster::first_hits_on(std::span<const std::uint32_t> triangles,
+                                   const RayPacket& rays) const {
+  HitPacket hits{};
+  hits.distance_m.fill(HitPacket::kNone);
+  for (const std::uint32_t triangle : triangles) {
+    const Triangles& mesh = (triangle & kMoving) != 0U ? *moving_ : *fixed_;
+    const std::uint32_t index = triangle & ~kMoving;
+    meet_triangle(
+        mesh.corners(index), {.triangle = triangle, .surface = mesh.surfaces[index]}, rays, hits);
+  }
+  RayPacket others = rays;
+  for (std::size_t i = 0; i < hits.distance_m.size(); ++i) {
+    if (hits.distance_m[i] != HitPacket::kNone) others.most_m[i] = -1.0F;
+  }
+  trace(others, hits);
+  return hits;
+}
+
+void RayCaster::trace(const RayPacket& rays, HitPacket& hits) const {
+  const ValidLanes valid = valid_lanes(rays);
+  if (is_empty(valid)) return;
+  RTCIntersectContext context = coherent_context();
+  RTCRayHit16 query{};
   query.ray = packet(rays);
   for (const Triangles* triangles : {fixed_.get(), moving_.get()}) {
     if (triangles == nullptr) continue;
+    const std::uint32_t mark = triangles == moving_.get() ? kMoving : 0U;
     std::fill_n(query.hit.geomID, RayPacket::kSize, RTC_INVALID_GEOMETRY_ID);
-    rtcIntersect8(valid.data(), triangles->scene, &context, &query);
+    rtcIntersect16(valid.data(), triangles->scene, &context, &query);
     for (std::size_t i = 0; i < valid.size(); ++i) {
       if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       const Eigen::Vector3f n(query.hit.Ng_x[i], query.hit.Ng_y[i], query.hit.Ng_z[i]);
@@ -205,9 +238,9 @@ HitPacket RayCaster::first_hits(const RayPacket& rays) const {
       hits.normal_y[i] = scale * n.y();
       hits.normal_z[i] = scale * n.z();
       hits.surface[i] = triangles->surfaces[query.hit.primID[i]];
+      hits.triangle[i] = query.hit.primID[i] | mark;
     }
   }
-  return hits;
 }
 
 bool RayCaster::occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f& to_map) const {
@@ -230,12 +263,12 @@ bool RayCaster::occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f&
 std::uint32_t RayCaster::occluded(const RayPacket& rays) const {
   RTCIntersectContext context = coherent_context();
   const auto valid = valid_lanes(rays);
-  if (std::all_of(valid.begin(), valid.end(), [](int lane) { return lane == 0; })) return 0;
+  if (is_empty(valid)) return 0;
   std::uint32_t bits = 0;
   for (const Triangles* triangles : {fixed_.get(), moving_.get()}) {
     if (triangles == nullptr) continue;
-    RTCRay8 query = packet(rays);
-    rtcOccluded8(valid.data(), triangles->scene, &context, &query);
+    RTCRay16 query = packet(rays);
+    rtcOccluded16(valid.data(), triangles->scene, &context, &query);
     for (std::size_t i = 0; i < valid.size(); ++i) {
       if (valid[i] != 0 && query.tfar[i] < 0.0F) bits |= 1U << i;
     }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -24,8 +25,8 @@ struct Hit {
 };
 
 /// Rays side by side, for those that go nearly the same way. Unused lanes have `most_m` < 0.
-struct alignas(32) RayPacket {
-  static constexpr int kSize = 8;
+struct alignas(64) RayPacket {
+  static constexpr int kSize = 16;
   template <typename T>
   using Lanes = std::array<T, kSize>;
 
@@ -35,12 +36,13 @@ struct alignas(32) RayPacket {
   Lanes<float> most_m;
 };
 
-struct alignas(32) HitPacket {
+struct alignas(64) HitPacket {
   static constexpr float kNone = std::numeric_limits<float>::infinity();
 
   RayPacket::Lanes<float> distance_m;  ///< kNone where nothing was hit; then the rest is undefined
   RayPacket::Lanes<float> normal_x, normal_y, normal_z;  ///< as in Hit
   RayPacket::Lanes<std::uint32_t> surface;
+  RayPacket::Lanes<std::uint32_t> triangle;  ///< its number in this caster
 };
 
 /// What a ray meets first in a set of triangles. Immutable: any number of threads may ask at once,
@@ -59,6 +61,11 @@ class RayCaster {
 
   [[nodiscard]] HitPacket first_hits(const RayPacket& rays) const;
 
+  /// The same, but what lies before or beside these triangles is seen only by the rays that meet
+  /// none of them. Cheap where most meet one.
+  [[nodiscard]] HitPacket first_hits_on(std::span<const std::uint32_t> triangles,
+                                        const RayPacket& rays) const;
+
   /// Something stands between two points; the surfaces that they lie on do not count (2 mm).
   [[nodiscard]] bool occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f& to_map) const;
 
@@ -72,6 +79,8 @@ class RayCaster {
   struct Triangles;
 
   RayCaster() = default;
+
+  void trace(const RayPacket& rays, HitPacket& hits) const;
 
   std::shared_ptr<const Triangles> fixed_;
   std::shared_ptr<const Triangles> moving_;  // may be null

@@ -103,95 +103,113 @@ constexpr std::array<Layers, 16> kPatterns = {{
       {0, 0, 0, false, false}}},
 }};
 
-/// Uniform in [0, 1) by the place of a cell.
-float hashed(std::int32_t x, std::int32_t y, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343U ^
-                    static_cast<std::uint32_t>(y) * 0xd8163841U ^ seed;
+/// Uniform in [0, 1) by the place of a cell; neighbours up to eight cells apart do not correlate.
+Float4 hashed(const Int4& x, const Int4& y, std::uint32_t seed) {
+  Uint4 h = to_unsigned(x) * 0x8da6b343U ^ to_unsigned(y) * 0xd8163841U ^ seed;
   h ^= h >> 15U;
   h *= 0x2c1b3c6dU;
   h ^= h >> 12U;
-  h *= 0x297a2d39U;
-  h ^= h >> 15U;
-  return static_cast<float>(h >> 8U) * 0x1.0p-24F;
-}
-
-std::int32_t floored(float value) {
-  const auto truncated = static_cast<std::int32_t>(value);
-  return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
+  h >>= 8U;
+  return to_float(to_signed(h)) * 0x1.0p-24F;
 }
 
 /// Between the middle of one cell and the next: 0 in the first, 1 in the second, with an edge of
 /// `width` cells in between.
-float edge(float share, float width) {
-  return std::clamp((share - 0.5F) / width + 0.5F, 0.0F, 1.0F);
+Float4 edge(const Float4& share, const Float4& width) {
+  return clamped((share - 0.5F) / width + 0.5F, 0.0F, 1.0F);
 }
 
-float smoothed(float share) {
+Float4 smoothed(const Float4& share) {
   return share * share * (3.0F - 2.0F * share);
 }
 
-/// Blend of four neighbouring cells; (i, k) is the first and weights are those of the next ones.
-float blended(std::int32_t i, std::int32_t k, const Eigen::Array2f& weight, std::uint32_t seed) {
-  const auto row = [&](std::int32_t y) {
-    if (weight.x() <= 0.0F) return hashed(i, y, seed);
-    if (weight.x() >= 1.0F) return hashed(i + 1, y, seed);
-    return (1.0F - weight.x()) * hashed(i, y, seed) + weight.x() * hashed(i + 1, y, seed);
-  };
-  if (weight.y() <= 0.0F) return row(k);
-  if (weight.y() >= 1.0F) return row(k + 1);
-  return (1.0F - weight.y()) * row(k) + weight.y() * row(k + 1);
-}
-
-/// One layer at (u, v), all in units of its cells, in [-1, 1].
-float layer_value(
-    const Layer& layer, float u, float v, const Eigen::Array2f& footprint, std::uint32_t seed) {
-  const float y = v - 0.5F;
-  const std::int32_t k = floored(y);
-  float weight_y = y - static_cast<float>(k);
-  weight_y = layer.is_smooth ? smoothed(weight_y) : edge(weight_y, kEdgeWidth * footprint.y());
-  // A row's shift holds for one row: take that of the row which is seen.
-  const bool shifted = layer.is_bond && ((weight_y < 0.5F ? k : k + 1) & 1) != 0;
-  const float x = (shifted ? u + 0.5F : u) - 0.5F;
-  const std::int32_t i = floored(x);
-  float weight_x = x - static_cast<float>(i);
-  weight_x = layer.is_smooth ? smoothed(weight_x) : edge(weight_x, kEdgeWidth * footprint.x());
-  return 2.0F * blended(i, k, {weight_x, weight_y}, seed) - 1.0F;
-}
-
-/// Of two axes on the surface: 1 for cells of two pixels, 0 for those of one.
-float visible_share(const Eigen::Array2f& footprint) {
-  const Eigen::Array2f share = (2.0F - 2.0F * footprint).max(0.0F).min(1.0F);
-  return share.x() * share.y();
-}
-
-/// Where a point lies on its surface, and how large its pixel is there.
-struct OnSurface {
-  float u;
-  float v;
-  Eigen::Array2f footprint_m;
+struct Weights {
+  Float4 x;
+  Float4 y;
 };
 
-/// The plane of the frame's axes that the surface is nearest to.
-OnSurface on_surface(const Surface& surface, const SeenPoint& seen) {
-  const auto turned = [&](const Eigen::Vector3f& x) {
-    return Eigen::Vector3f(surface.cos_yaw * x.x() + surface.sin_yaw * x.y(),
-                           surface.cos_yaw * x.y() - surface.sin_yaw * x.x(),
-                           x.z());
+/// Blend of four neighbouring cells; (i, k) is the first and weights are those of the next ones.
+Float4 blended(const Int4& i, const Int4& k, const Weights& weights, std::uint32_t seed) {
+  const Int4 is_between = ((weights.x > 0.0F) & (weights.x < 1.0F)) |  //
+                          ((weights.y > 0.0F) & (weights.y < 1.0F));
+  if (!any(is_between)) return hashed(i - (weights.x > 0.0F), k - (weights.y > 0.0F), seed);
+  const auto row = [&](const Int4& y) {
+    return (1.0F - weights.x) * hashed(i, y, seed) + weights.x * hashed(i + 1, y, seed);
   };
-  const Eigen::Vector3f p = turned(seen.p_map - surface.frame.p_map);
-  const Eigen::Vector3f normal = turned(seen.normal_map);
-  const Eigen::Vector3f direction = turned(seen.direction_map);
-  // Along an axis of the surface the pixel is longer the more the ray goes along it.
-  const float across = std::max(std::abs(normal.dot(direction)), 0.05F);
-  const auto footprint = [&](int axis) {
-    const float slope = direction[axis] / across;
-    return seen.pixel_m * std::sqrt(1.0F + slope * slope);
-  };
-  if (std::abs(normal.z()) > 0.7F) return {p.x(), p.y(), {footprint(0), footprint(1)}};
-  if (std::abs(normal.x()) > std::abs(normal.y())) {
-    return {p.y() + 0.37F * p.x(), p.z(), {footprint(1), footprint(2)}};
+  return (1.0F - weights.y) * row(k) + weights.y * row(k + 1);
+}
+
+/// Where points lie on their surface, and how large their pixels are there.
+struct OnSurface {
+  Float4 u;
+  Float4 v;
+  Float4 footprint_u;
+  Float4 footprint_v;
+};
+
+/// The same, in units of the layer's cells.
+OnSurface in_cells(const OnSurface& place_m, const Layer& layer) {
+  const float per_width = 1.0F / layer.width_m;
+  const float per_height = 1.0F / layer.height_m;
+  return {.u = place_m.u * per_width,
+          .v = place_m.v * per_height,
+          .footprint_u = place_m.footprint_u * per_width,
+          .footprint_v = place_m.footprint_v * per_height};
+}
+
+/// One layer, in [-1, 1].
+Float4 layer_value(const Layer& layer, const OnSurface& cells, std::uint32_t seed) {
+  const Float4 y = cells.v - 0.5F;
+  const Int4 k = floored(y);
+  Float4 weight_y = y - to_float(k);
+  weight_y = layer.is_smooth ? smoothed(weight_y) : edge(weight_y, kEdgeWidth * cells.footprint_v);
+  Float4 x = cells.u - 0.5F;
+  if (layer.is_bond) {  // A row's shift holds for one row: take that of the row which is seen.
+    const Int4 row = k - (weight_y >= 0.5F);
+    x += 0.5F * to_float(row & 1);
   }
-  return {p.x() + 0.37F * p.y(), p.z(), {footprint(0), footprint(2)}};
+  const Int4 i = floored(x);
+  Float4 weight_x = x - to_float(i);
+  weight_x = layer.is_smooth ? smoothed(weight_x) : edge(weight_x, kEdgeWidth * cells.footprint_u);
+  return 2.0F * blended(i, k, {.x = weight_x, .y = weight_y}, seed) - 1.0F;
+}
+
+/// 1 for cells of two pixels, 0 for those of one.
+Float4 visible_share(const OnSurface& cells) {
+  return clamped(2.0F - 2.0F * cells.footprint_u, 0.0F, 1.0F) *
+         clamped(2.0F - 2.0F * cells.footprint_v, 0.0F, 1.0F);
+}
+
+/// The plane of the frame's axes that the surface is nearest to.
+OnSurface on_surface(const Surface& surface, const SeenPoints& seen) {
+  const float c = surface.cos_yaw;
+  const float s = surface.sin_yaw;
+  const auto turned_x = [&](const Float4& x, const Float4& y) { return c * x + s * y; };
+  const auto turned_y = [&](const Float4& x, const Float4& y) { return c * y - s * x; };
+  const Eigen::Vector3f& origin = surface.frame.p_map;
+  const Float4 from_x = seen.p_map[0] - origin.x();
+  const Float4 from_y = seen.p_map[1] - origin.y();
+  const Float4 x = turned_x(from_x, from_y);
+  const Float4 y = turned_y(from_x, from_y);
+  const Float4 z = seen.p_map[2] - origin.z();
+  const auto& n = seen.normal_map;
+  const auto& d = seen.direction_map;
+  // Along an axis of the surface the pixel is longer the more the ray goes along it.
+  const Float4 across = max4(magnitude(n[0] * d[0] + n[1] * d[1] + n[2] * d[2]), all4(0.05F));
+  const auto footprint = [&](const Float4& along) {
+    const Float4 slope = along / across;
+    return seen.pixel_m * square_root(1.0F + slope * slope);
+  };
+  const Float4 along_x = turned_x(d[0], d[1]);
+  const Float4 along_y = turned_y(d[0], d[1]);
+  const Int4 is_level = magnitude(n[2]) > 0.7F;
+  const Int4 faces_x = magnitude(turned_x(n[0], n[1])) > magnitude(turned_y(n[0], n[1]));
+  const Float4 level_u = x;
+  const Float4 upright_u = faces_x ? y + 0.37F * x : x + 0.37F * y;
+  return {.u = is_level ? level_u : upright_u,
+          .v = is_level ? y : z,
+          .footprint_u = footprint((faces_x & ~is_level) ? along_y : along_x),
+          .footprint_v = footprint(is_level ? along_y : d[2])};
 }
 
 }  // namespace
@@ -217,39 +235,39 @@ Surface make_surface(Pattern pattern, float albedo, std::uint32_t seed, const Pl
   return surface;
 }
 
-float albedo(const Surface& surface, const SeenPoint& seen) {
-  const OnSurface place = on_surface(surface, seen);
-  float value = 1.0F;
+Float4 albedo(const Surface& surface, const SeenPoints& seen) {
+  const OnSurface place_m = on_surface(surface, seen);
+  Float4 value = all4(1.0F);
   std::uint32_t seed = surface.seed;
   for (const Layer& layer : kPatterns[static_cast<std::size_t>(surface.pattern)]) {
     if (layer.amplitude <= 0.0F) break;
     seed = seed * 747796405U + 2891336453U;
-    const Eigen::Array2f footprint =
-        place.footprint_m / Eigen::Array2f(layer.width_m, layer.height_m);
-    const float visible = visible_share(footprint);
-    if (visible <= 0.0F) continue;
-    value += layer.amplitude * visible *
-             layer_value(layer, place.u / layer.width_m, place.v / layer.height_m, footprint, seed);
+    const OnSurface cells = in_cells(place_m, layer);
+    const Float4 visible = visible_share(cells);
+    if (!any(visible > 0.0F)) continue;
+    value += layer.amplitude * visible * layer_value(layer, cells, seed);
   }
-  return std::clamp(surface.albedo * value, 0.02F, 0.98F);
+  return clamped(surface.albedo * value, 0.02F, 0.98F);
 }
 
-float snow_share(const SeenPoint& seen, float cover) {
-  const float up = std::clamp((seen.normal_map.z() - 0.35F) / 0.3F, 0.0F, 1.0F);
-  if (up <= 0.0F || cover <= 0.0F) return 0.0F;
-  const float x = seen.p_map.x();
-  const float y = seen.p_map.y();
-  const float noise = 0.6F * smooth_noise(0.45F * x, 0.45F * y, kSnowSeed) +
-                      0.4F * smooth_noise(2.3F * x, 2.3F * y, kSnowSeed + 1U);
-  return up * std::clamp((cover - noise) / 0.06F + 0.5F, 0.0F, 1.0F);
+Float4 snow_share(const SeenPoints& seen, float cover) {
+  const Float4 up = clamped((seen.normal_map[2] - 0.35F) / 0.3F, 0.0F, 1.0F);
+  if (cover <= 0.0F || !any(up > 0.0F)) return all4(0.0F);
+  const Float4& x = seen.p_map[0];
+  const Float4& y = seen.p_map[1];
+  const Float4 noise = 0.6F * smooth_noise(0.45F * x, 0.45F * y, kSnowSeed) +
+                       0.4F * smooth_noise(2.3F * x, 2.3F * y, kSnowSeed + 1U);
+  return up * clamped((cover - noise) / 0.06F + 0.5F, 0.0F, 1.0F);
+}
+
+Float4 smooth_noise(const Float4& x, const Float4& y, std::uint32_t seed) {
+  const Int4 i = floored(x);
+  const Int4 k = floored(y);
+  return blended(i, k, {.x = smoothed(x - to_float(i)), .y = smoothed(y - to_float(k))}, seed);
 }
 
 float smooth_noise(float x, float y, std::uint32_t seed) {
-  const std::int32_t i = floored(x);
-  const std::int32_t k = floored(y);
-  const Eigen::Array2f weight(smoothed(x - static_cast<float>(i)),
-                              smoothed(y - static_cast<float>(k)));
-  return blended(i, k, weight, seed);
+  return smooth_noise(all4(x), all4(y), seed)[0];
 }
 
 }  // namespace fleetloc

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <Eigen/Core>
+
+#include "shared/core/float4.hpp"
 
 namespace fleetloc {
 
@@ -48,22 +51,23 @@ struct Surface {
 
 Surface make_surface(Pattern pattern, float albedo, std::uint32_t seed, const Placement& frame);
 
-/// A point as a pixel sees it.
-struct SeenPoint {
-  Eigen::Vector3f p_map;
-  Eigen::Vector3f normal_map;     ///< unit, towards the camera
-  Eigen::Vector3f direction_map;  ///< unit, from the camera
-  float pixel_m = 0.0F;           ///< width of the pixel there, across the ray
+/// Four points as their pixels see them.
+struct SeenPoints {
+  std::array<Float4, 3> p_map;
+  std::array<Float4, 3> normal_map;     ///< unit, towards the camera
+  std::array<Float4, 3> direction_map;  ///< unit, from the camera
+  Float4 pixel_m;                       ///< width of the pixel there, across the ray
 };
 
 /// In (0, 1). Detail finer than the pixel's footprint on the surface is left out, so that images
 /// do not alias; edges between cells are as wide as the footprint.
-float albedo(const Surface& surface, const SeenPoint& seen);
+Float4 albedo(const Surface& surface, const SeenPoints& seen);
 
 /// Share in [0, 1] of the pixel that lies under snow when `cover` of the level ground does.
-float snow_share(const SeenPoint& seen, float cover);
+Float4 snow_share(const SeenPoints& seen, float cover);
 
 /// In [0, 1], smooth over a length of 1; for relief and the like.
+Float4 smooth_noise(const Float4& x, const Float4& y, std::uint32_t seed);
 float smooth_noise(float x, float y, std::uint32_t seed);
 
 }  // namespace fleetloc

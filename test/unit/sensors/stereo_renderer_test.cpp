@@ -1,6 +1,8 @@
 #include "shared/sensors/stereo_renderer.hpp"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -8,6 +10,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "shared/sensors/landmark_survey.hpp"
+#include "shared/sensors/pixel_block.hpp"
 #include "test/unit/sensors/campus_cameras.hpp"
 #include "test/unit/world/campus.hpp"
 
@@ -78,6 +81,80 @@ TEST_F(StereoRendererOnCampus, TheSameBytesWithAnyNumberOfThreads) {
   }
   EXPECT_FALSE(same_bytes(one.left, rendered(session, T_map_body, 2, 9).left));
   EXPECT_FALSE(same_bytes(one.left, one.right));
+}
+
+/// Rays of a block of the left camera's image.
+PixelBlock::Packets block_at(const ViewRays& rays,
+                             const Pose& T_map_cam,
+                             int first_u,
+                             int first_v) {
+  constexpr auto kOffsets = PixelBlock::lattice_first();
+  PixelBlock::Packets packets{};
+  for (std::size_t i = 0; i < kOffsets.size(); ++i) {
+    const Eigen::Vector3f& direction_cam =
+        rays.direction(first_u + kOffsets[i].u, first_v + kOffsets[i].v);
+    const Eigen::Vector3f direction = T_map_cam.R.cast<float>() * direction_cam;
+    ViewPacket& packet = packets.at(i / RayPacket::kSize);
+    const std::size_t lane = i % RayPacket::kSize;
+    packet.pixel_rad = rays.pixel_rad();
+    packet.rays.origin_x[lane] = static_cast<float>(T_map_cam.p.x());
+    packet.rays.origin_y[lane] = static_cast<float>(T_map_cam.p.y());
+    packet.rays.origin_z[lane] = static_cast<float>(T_map_cam.p.z());
+    packet.rays.direction_x[lane] = direction.x();
+    packet.rays.direction_y[lane] = direction.y();
+    packet.rays.direction_z[lane] = direction.z();
+    packet.rays.most_m[lane] = 500.0F;
+  }
+  return packets;
+}
+
+TEST_F(StereoRendererOnCampus, ABlockShowsWhatEachOfItsRaysMeets) {
+  const SessionScene session = session_of(world(), scene(), "autumn");
+  const SceneView view = session.at(5.0);
+  const Light light = light_of(session);
+  const ViewRays rays(campus_cameras().cam0);
+  int pixels = 0;
+  int others = 0;  // that show another thing
+  int shadows = 0;
+  for (const double share : {0.05, 0.3, 0.62}) {
+    const Pose T_map_cam = T_map_body_on_eight(share) * campus_cameras().T_body_cam0;
+    for (int v = 0; v < rays.height_px(); v += PixelBlock::kHeight) {
+      for (int u = 0; u < rays.width_px(); u += PixelBlock::kWidth) {
+        const PixelBlock::Packets packets = block_at(rays, T_map_cam, u, v);
+        const PixelBlock::Seen seen = see_block(view, light, packets);
+        for (std::size_t i = 0; i < packets.size(); ++i) {
+          const HitPacket hits = view.caster.first_hits(packets[i].rays);
+          const SeenPacket alone = see(view, light, packets[i], hits);
+          const std::uint32_t sunlit_alone = sunlit(view, light, packets[i], hits);
+          for (std::size_t lane = 0; lane < RayPacket::kSize; ++lane, ++pixels) {
+            if (alone.key[lane] != seen.packets[i].key[lane]) ++others;
+            const bool differs = (((seen.sunlit[i] ^ sunlit_alone) >> lane) & 1U) != 0U;
+            if (differs && alone.sun[lane] > 0.0F) ++shadows;
+          }
+        }
+      }
+    }
+  }
+  std::printf(
+      "of %d pixels, %d show another thing and %d another shadow\n", pixels, others, shadows);
+  EXPECT_LT(others, pixels / 500);
+  EXPECT_LT(shadows, pixels / 200);
+}
+
+TEST(PixelBlock, ItsLatticeMeetsEveryRowAndColumn) {
+  constexpr auto kOffsets = PixelBlock::lattice_first();
+  std::set<int> columns;
+  std::set<int> rows;
+  std::set<std::pair<int, int>> all;
+  for (std::size_t i = 0; i < kOffsets.size(); ++i) {
+    all.emplace(kOffsets[i].u, kOffsets[i].v);
+    if (i >= RayPacket::kSize) continue;
+    columns.insert(kOffsets[i].u);
+    rows.insert(kOffsets[i].v);
+  }
+  EXPECT_EQ(all.size(), std::size_t{PixelBlock::kPixels});
+  EXPECT_EQ(columns.size(), std::size_t{PixelBlock::kWidth});
+  EXPECT_EQ(rows.size(), std::size_t{PixelBlock::kHeight});
 }
 
 /// Distances of what the optical flow finds from where the landmarks are in the second image [px].

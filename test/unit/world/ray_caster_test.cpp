@@ -40,11 +40,8 @@ TEST(RayCaster, FindsTheNearestSurfaceAndTheSideThatIsSeen) {
   EXPECT_FALSE(caster.first_hit({{1.0F, 2.0F, 5.0F}, {0.0F, 0.0F, 1.0F}}, 50.0F));
 }
 
-TEST(RayCaster, APacketSaysTheSameAsItsRays) {
-  Mesh moving;
-  add_floor(moving, 1.0F, 7);
-  for (auto& vertex : moving.vertices) vertex.x() += 10.0F;  // over one half
-  const RayCaster caster = RayCaster(two_floors()).with(moving);
+/// Sixteen beside each other, without the seventh.
+RayPacket downward_rays() {
   RayPacket rays{};
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
     const float x = static_cast<float>(i) - 2.5F;
@@ -58,6 +55,15 @@ TEST(RayCaster, APacketSaysTheSameAsItsRays) {
     rays.least_m[i] = 0.0F;
     rays.most_m[i] = i == 6 ? -1.0F : 100.0F;
   }
+  return rays;
+}
+
+TEST(RayCaster, APacketSaysTheSameAsItsRays) {
+  Mesh moving;
+  add_floor(moving, 1.0F, 7);
+  for (auto& vertex : moving.vertices) vertex.x() += 10.0F;  // over one half
+  const RayCaster caster = RayCaster(two_floors()).with(moving);
+  const RayPacket rays = downward_rays();
   const HitPacket hits = caster.first_hits(rays);
   const std::uint32_t shadow = caster.occluded(rays);
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
@@ -74,6 +80,28 @@ TEST(RayCaster, APacketSaysTheSameAsItsRays) {
     EXPECT_EQ(hits.surface[i], hit->surface);
     EXPECT_EQ(hit->surface, i < 3 ? 3U : 7U);
     EXPECT_FLOAT_EQ(hits.normal_z[i], 1.0F);
+  }
+}
+
+TEST(RayCaster, RaysThatMissTheTrianglesTheyAreExpectedOnAreTraced) {
+  Mesh moving;
+  add_floor(moving, 1.0F, 7);
+  for (auto& vertex : moving.vertices) vertex.x() += 10.0F;
+  const RayCaster caster = RayCaster(two_floors()).with(moving);
+  const RayPacket rays = downward_rays();
+  const HitPacket hits = caster.first_hits(rays);
+  const std::array<std::uint32_t, 1> upper = {hits.triangle.back()};
+  ASSERT_NE(hits.triangle.front(), upper[0]);
+  const HitPacket again = caster.first_hits_on(upper, rays);
+  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
+    if (rays.most_m[i] < 0.0F) {
+      EXPECT_EQ(again.distance_m[i], HitPacket::kNone);
+      continue;
+    }
+    EXPECT_NEAR(again.distance_m[i], hits.distance_m[i], 1e-5F);
+    EXPECT_FLOAT_EQ(again.normal_z[i], hits.normal_z[i]);
+    EXPECT_EQ(again.surface[i], hits.surface[i]);
+    EXPECT_EQ(again.triangle[i], hits.triangle[i]);
   }
 }
 
