@@ -6,7 +6,7 @@
 #include <span>
 
 #include "shared/core/counter_random.hpp"
-#include "shared/sensors/parallel_rows.hpp"
+#include "shared/concurrency/parallel_rows.hpp"
 
 namespace fleetloc {
 namespace {
