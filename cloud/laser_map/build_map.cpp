@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "cloud/laser_map/map_hash.hpp"
 #include "cloud/laser_map/point_index.hpp"
+#include "shared/concurrency/parallel_rows.hpp"
 
 namespace fleetloc {
 namespace {
@@ -17,13 +19,18 @@ namespace {
 /// Farther out neighbouring floats are more than a millimetre apart.
 constexpr float kMaxCoordinate = 16384.0F;  // [m]
 
+/// So that coordinates of voxels fit 32 bits.
+constexpr double kFinestResolution = 1e-5;  // [m]
+constexpr double kMostResolution = 1e3;     // [m]
+
 struct PointInVoxel {
-  std::array<std::int64_t, 3> voxel;  // coordinates [resolution_m]
+  std::array<std::int32_t, 3> voxel;  // coordinates [resolution_m]
   Eigen::Vector3f p_map;
 };
 
 std::vector<PointInVoxel> sorted_by_voxel(const std::vector<Eigen::Vector3f>& points,
                                           double resolution_m) {
+  assert(resolution_m >= kFinestResolution);
   std::vector<PointInVoxel> sorted;
   sorted.reserve(points.size());
   for (const Eigen::Vector3f& p_map : points) {
@@ -32,18 +39,27 @@ std::vector<PointInVoxel> sorted_by_voxel(const std::vector<Eigen::Vector3f>& po
       throw MapBuildError("a point is more than 16 km from the origin; shift the cloud towards it");
     }
     const Eigen::Vector3d voxel = (p_map.cast<double>() / resolution_m).array().floor();
-    sorted.push_back({.voxel = {static_cast<std::int64_t>(voxel.x()),
-                                static_cast<std::int64_t>(voxel.y()),
-                                static_cast<std::int64_t>(voxel.z())},
+    sorted.push_back({.voxel = {static_cast<std::int32_t>(voxel.x()),
+                                static_cast<std::int32_t>(voxel.y()),
+                                static_cast<std::int32_t>(voxel.z())},
                       .p_map = p_map});
   }
   std::ranges::stable_sort(sorted, {}, &PointInVoxel::voxel);
   return sorted;
 }
 
+std::size_t voxels_in(const std::vector<PointInVoxel>& sorted) {
+  std::size_t voxels = 0;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    if (i == 0 || sorted[i].voxel != sorted[i - 1].voxel) ++voxels;
+  }
+  return voxels;
+}
+
 /// One point per voxel: the mean of its points.
 std::vector<MapPoint> voxel_means(const std::vector<PointInVoxel>& sorted) {
   std::vector<MapPoint> means;
+  means.reserve(voxels_in(sorted));
   for (auto begin = sorted.begin(); begin != sorted.end();) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     auto end = begin;
@@ -80,16 +96,25 @@ void fit_surface(const std::vector<MapPoint>& points,
 void fit_surfaces(std::vector<MapPoint>& points,
                   const MapConfig& config,
                   const MapProgress& progress) {
-  constexpr std::size_t kPointsPerReport = 4096;
+  constexpr std::size_t kPointsPerRow = 512;
+  constexpr std::size_t kPointsPerReport = 64 * kPointsPerRow;
   const PointIndex index(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  const auto fit = [&](std::size_t i) {  // reads positions, writes the rest of one point
     const auto indices = index.within(points[i].p_map.cast<double>(), config.normal_radius_m);
     if (indices.size() > static_cast<std::size_t>(config.min_neighbours)) {
       fit_surface(points, indices, points[i]);
     }
-    if (progress && (i + 1) % kPointsPerReport == 0) progress(i + 1, points.size());
+  };
+  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
+    const std::size_t end = std::min(begin + kPointsPerReport, points.size());
+    const auto rows = static_cast<int>((end - begin + kPointsPerRow - 1) / kPointsPerRow);
+    for_each_row(rows, config.threads, [&](int row) {
+      const std::size_t first = begin + static_cast<std::size_t>(row) * kPointsPerRow;
+      const std::size_t last = std::min(first + kPointsPerRow, end);
+      for (std::size_t i = first; i < last; ++i) fit(i);
+    });
+    if (progress) progress(end, points.size());
   }
-  if (progress) progress(points.size(), points.size());
 }
 
 MapInfo describe(const std::vector<MapPoint>& points, const std::string& frame, double resolution) {
@@ -109,9 +134,10 @@ MapInfo describe(const std::vector<MapPoint>& points, const std::string& frame, 
 }  // namespace
 
 MapConfig read_map_config(ConfigReader section) {
-  return {.resolution_m = section.positive("resolution_m"),
+  return {.resolution_m = section.number("resolution_m", kFinestResolution, kMostResolution),
           .normal_radius_m = section.positive("normal_radius_m"),
-          .min_neighbours = section.integer("min_neighbours", 3, 1000)};
+          .min_neighbours = section.integer("min_neighbours", 3, 1000),
+          .threads = section.integer("threads", 1, 64)};
 }
 
 LaserMap build_map(const std::vector<Eigen::Vector3f>& points,

@@ -17,6 +17,7 @@ struct MapConfig {
   double resolution_m = 0.0;     ///< edge of the voxels; each becomes the mean of its points
   double normal_radius_m = 0.0;  ///< of the surroundings that a normal is computed from
   int min_neighbours = 0;        ///< with fewer points around it a point has no normal
+  int threads = 1;               ///< that compute normals; the map is the same with any number
 };
 
 MapConfig read_map_config(ConfigReader section);

@@ -1,14 +1,18 @@
 // fleetloc-map: makes laser maps and shows what is in them.
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloud/laser_map/build_map.hpp"
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/laser_map/map_hash.hpp"
+#include "cloud/mapping/merge_sessions.hpp"
 #include "shared/config/program.hpp"
 #include "shared/config/progress_line.hpp"
 #include "shared/pointcloud/point_cloud_file.hpp"
@@ -19,6 +23,7 @@ using namespace fleetloc;
 
 struct BuildOptions {
   std::string cloud;
+  std::vector<std::string> datasets;
   std::string out;
   std::string frame = "map";
 };
@@ -34,44 +39,100 @@ void print(const LaserMap& map) {
             << info.max.transpose() << " m\ncontent hash " << to_string(info.hash) << '\n';
 }
 
-int build(const std::vector<Eigen::Vector3f>& points,
-          const BuildOptions& options,
-          const MapConfig& config) {
-  LaserMap map = [&] {
-    ProgressLine line("normals");
-    return build_map(points, options.frame, config, [&line](std::size_t done, std::size_t total) {
-      line.show(done, total);
-    });
-  }();
-  const std::filesystem::path out = options.out;
-  if (out.has_parent_path()) std::filesystem::create_directories(out.parent_path());
-  save_map(map, out);
-  std::cout << "points read  " << points.size() << '\n';
-  print(map);
-  return kSuccess;
+LaserMap map_of(const std::vector<Eigen::Vector3f>& points,
+                const BuildOptions& options,
+                const MapConfig& config) {
+  ProgressLine line("normals");
+  return build_map(points, options.frame, config, [&line](std::size_t done, std::size_t total) {
+    line.show(done, total);
+  });
 }
 
-Program::Run prepare_build(const BuildOptions& options, const MapConfig& config) {
+void save(const LaserMap& map, const std::filesystem::path& out) {
+  if (out.has_parent_path()) std::filesystem::create_directories(out.parent_path());
+  save_map(map, out);
+}
+
+/// map_report.yaml beside map.pcd.
+void write_report(const MergeReport& report, const std::filesystem::path& map_file) {
+  const auto file = map_file.parent_path() / (map_file.stem().string() + "_report.yaml");
+  std::ofstream stream(file);
+  stream << "# Of " << map_file.filename().string() << ": what became of the scans, in points.\n"
+         << report_text(report);
+  stream.close();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+MergedSessions merged(const std::vector<SurveySession>& sessions, const MappingConfig& config) {
+  std::optional<ProgressLine> line;
+  std::string shown;
+  return merge_sessions(
+      sessions, config, [&](const std::string& pass, std::size_t done, std::size_t total) {
+        if (pass != std::exchange(shown, pass)) line.emplace(pass);
+        line->show(done, total);
+      });
+}
+
+Program::Run prepare_build_of_cloud(const BuildOptions& options, const MapConfig& config) {
+  return [points = read_points(options.cloud), options, config] {
+    const LaserMap map = map_of(points, options, config);
+    save(map, options.out);
+    std::cout << "points read  " << points.size() << '\n';
+    print(map);
+    return kSuccess;
+  };
+}
+
+Program::Run prepare_build_of_datasets(const BuildOptions& options,
+                                       const MapConfig& map_config,
+                                       const MappingConfig& config) {
+  auto sessions = std::make_shared<std::vector<SurveySession>>();
+  for (const std::string& dataset : options.datasets) {
+    sessions->emplace_back(dataset, config.max_gap);
+  }
+  return [sessions, options, map_config, config] {
+    MergedSessions merge = merged(*sessions, config);
+    MapConfig as_merged = map_config;
+    as_merged.resolution_m = merge.report.voxel_m;
+    const LaserMap map = map_of(std::exchange(merge.points_map, {}), options, as_merged);
+    save(map, options.out);
+    write_report(merge.report, options.out);
+    std::cout << report_text(merge.report);
+    print(map);
+    return kSuccess;
+  };
+}
+
+Program::Run prepare_build(const BuildOptions& options, const Program& program) {
+  if (options.cloud.empty() == options.datasets.empty()) {
+    throw std::invalid_argument("build: either --cloud or --dataset is required");
+  }
   if (std::filesystem::path(options.out).extension() != ".pcd") {
     throw std::invalid_argument("--out: '" + options.out + "' does not end in .pcd");
   }
-  return [points = read_points(options.cloud), options, config] {
-    return build(points, options, config);
-  };
+  const MapConfig map = read_map_config(program.config().section("map"));
+  if (!options.cloud.empty()) return prepare_build_of_cloud(options, map);
+  return prepare_build_of_datasets(options, map, read_mapping_config(program.config()));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
-    Program program("fleetloc-map", "Makes a laser map of a point cloud, or shows what is in one.");
+    Program program(
+        "fleetloc-map",
+        "Makes a laser map of a point cloud or of lidar scans, or shows what is in one.");
     BuildOptions options;
     std::string shown;
     CLI::App& app = program.options();
     app.require_subcommand(1);
     CLI::App* build_command =
-        app.add_subcommand("build", "Make map.pcd and map.yaml of a point cloud")->fallthrough();
-    build_command->add_option("--cloud", options.cloud, "PLY or PCD file")->required();
+        app.add_subcommand("build", "Make map.pcd and map.yaml of points")->fallthrough();
+    build_command->add_option("--cloud", options.cloud, "PLY or PCD file");
+    build_command->add_option("--dataset",
+                              options.datasets,
+                              "instead: folders with lidar scans (mav0/lidar0) and their poses, of "
+                              "one or more sessions in one frame; what stays is kept");
     build_command->add_option("--out", options.out, "map.pcd")->required();
     build_command->add_option("--frame", options.frame, "name of the points' frame (map)");
     CLI::App* info_command =
@@ -79,7 +140,7 @@ int main(int argc, char** argv) {
     info_command->add_option("map", shown, "map.pcd")->required();
     return program.run(argc, argv, [&]() -> Program::Run {
       if (build_command->parsed()) {
-        return prepare_build(options, read_map_config(program.config().section("map")));
+        return prepare_build(options, program);
       }
       return [map = std::make_shared<const LaserMap>(load_map(shown))] {
         print(*map);

@@ -11,7 +11,7 @@
 #include "shared/dataset/lidar_file.hpp"
 #include "shared/pointcloud/point_cloud_file.hpp"
 #include "shared/pointcloud/voxel_cloud.hpp"
-#include "shared/sensors/parallel_rows.hpp"
+#include "shared/concurrency/parallel_rows.hpp"
 
 namespace fleetloc {
 namespace {

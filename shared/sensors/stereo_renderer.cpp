@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "shared/concurrency/parallel_rows.hpp"
 #include "shared/core/counter_random.hpp"
-#include "shared/sensors/parallel_rows.hpp"
 #include "shared/sensors/pixel_block.hpp"
 
 namespace fleetloc {

@@ -229,6 +229,8 @@ TEST_F(CommandLine, IsCheckedByTheMapTool) {
   refused({"info", file("none.pcd")}, file("none.pcd"));
   refused({"build", "--out", out}, "--cloud");
   refused({"build", "--cloud", cloud}, "--out");
+  refused({"build", "--cloud", cloud, "--dataset", file("dataset"), "--out", out}, "--dataset");
+  refused({"build", "--dataset", file("dataset"), "--out", out}, file("dataset") + "/mav0/lidar0");
   refused({"build", "--cloud", cloud, "--out", out, "--no-such-option"}, "--no-such-option");
   refused({"build", "--cloud", file("none.ply"), "--out", out}, file("none.ply"));
   refused({"build", "--cloud", cloud, "--out", file("new.txt")}, file("new.txt"));

@@ -96,6 +96,15 @@ TEST(BuildMap, IsTheSameWhenBuiltTwice) {
             build_map(points, "map", config).info().hash);
 }
 
+TEST(BuildMap, IsTheSameWithAnyNumberOfThreads) {
+  const auto points = noisy_square(Eigen::Quaterniond::Identity(), 0.01);
+  MapConfig config = default_map_config();
+  config.threads = 1;
+  const MapHash alone = build_map(points, "map", config).info().hash;
+  config.threads = 3;
+  EXPECT_EQ(build_map(points, "map", config).info().hash, alone);
+}
+
 TEST(BuildMap, LeavesOutPointsThatAreNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto config = default_map_config();
