@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "deploy/tools/eval_diagnostics.hpp"
+#include "shared/run_folder/diagnostics_file.hpp"
 #include "shared/trajectory/trajectory.hpp"
 
 namespace fleetloc {

@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fstream>
 #include <iostream>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "deploy/tools/eval_report.hpp"
 #include "deploy/tools/eval_run.hpp"
 #include "shared/config/program.hpp"
 #include "shared/geometry/pose_text.hpp"
@@ -20,9 +21,8 @@ namespace {
 using namespace fleetloc;
 
 struct Options {
-  std::string truth;
+  RunArguments runs;
   std::string estimate;
-  std::string run;
   std::string alignment = "none";
   bool json = false;
   std::optional<std::int64_t> pose_at_ns;
@@ -69,18 +69,14 @@ int print_start_pose(const Trajectory& truth, const Options& options) {
   return kSuccess;
 }
 
-int write(const nlohmann::json& evaluation, const std::string& run, bool json) {
-  const auto file = std::filesystem::path(run) / "evaluation.json";
-  std::ofstream stream(file);
-  stream << evaluation.dump(2) << '\n';
-  stream.close();
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
-  if (json) {
-    std::cout << evaluation.dump(2) << '\n';
-    return kSuccess;
-  }
+void print_run(const nlohmann::json& evaluation) {
   for (const char* key : {"ate", "rotation_deg", "odometry_ate", "odometry_rotation_deg"}) {
     if (!evaluation.at(key).is_null()) print_row(key, evaluation.at(key));
+  }
+  if (const auto& control = evaluation.at("aligned_once"); !control.is_null()) {
+    print_row("aligned_once", control.at("ate"));
+    std::cout << "aligned_once / ate  median " << control.at("ratio").at("median") << "  rmse "
+              << control.at("ratio").at("rmse") << '\n';
   }
   if (const auto& relative = evaluation.at("odometry_relative"); !relative.is_null()) {
     std::cout << "odometry_relative  rmse " << relative.at("translation_rmse_m") << " m, "
@@ -90,6 +86,30 @@ int write(const nlohmann::json& evaluation, const std::string& run, bool json) {
   std::cout << "coverage  " << evaluation.at("coverage") << "\nnees  map "
             << evaluation.at("nees").at("map") << "  odom " << evaluation.at("nees").at("odom")
             << '\n';
+}
+
+/// The evaluation of one run, or of several by their folders.
+void print_json(const std::vector<ReportRun>& runs) {
+  nlohmann::json all;
+  for (const ReportRun& run : runs) all[run.folder.string()] = run.evaluation;
+  std::cout << (runs.size() == 1 ? runs.front().evaluation : all).dump(2) << '\n';
+}
+
+int treat_runs(std::vector<ReportRun>& runs,
+               const Options& options,
+               const EvaluationConfig& config) {
+  evaluate_all(runs, config);
+  if (options.json) {
+    print_json(runs);
+  } else {
+    for (const ReportRun& run : runs) {
+      if (runs.size() > 1) std::cout << "== " << run.folder.string() << '\n';
+      if (run.truth) print_run(run.evaluation);
+    }
+  }
+  if (options.runs.report.empty()) return kSuccess;
+  const std::size_t bytes = write_report(options.runs, runs, config);
+  if (!options.json) std::cout << options.runs.report << ": " << bytes << " bytes\n";
   return kSuccess;
 }
 
@@ -99,13 +119,21 @@ Alignment alignment_named(const std::string& name) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--ground-truth", options.truth, "TUM file, or EuRoC's data.csv")->required();
+  app.add_option("--ground-truth",
+                 options.runs.truths,
+                 "TUM file, or EuRoC's data.csv; of several runs one for all or one for each");
   auto* estimate = app.add_option("--estimate", options.estimate, "TUM file");
   app.add_option("--align", options.alignment, "none (default), yaw or se3")
       ->check(CLI::IsMember({"none", "yaw", "se3"}))
       ->needs(estimate);
-  app.add_option("--run", options.run, "run folder; evaluation.json is added to it")
-      ->excludes(estimate);
+  auto* run = app.add_option("--run", options.runs.runs, "run folders; evaluation.json is added")
+                  ->excludes(estimate);
+  auto* report =
+      app.add_option("--report", options.runs.report, "HTML file: figures and tables of the runs")
+          ->needs(run);
+  app.add_option("--map", options.runs.map, "laser map, to be drawn in the report")->needs(report);
+  app.add_option("--sessions", options.runs.sessions, "sessions.json of localizers, for the report")
+      ->needs(report);
   app.add_flag("--json", options.json, "Print JSON instead of a table");
   auto* at = app.add_option("--pose-at-ns",
                             options.pose_at_ns,
@@ -118,6 +146,22 @@ void add_options(CLI::App& app, Options& options) {
       ->needs(at);
 }
 
+/// Without a run folder: an estimate, or a start pose.
+Program::Run prepared_comparison(const Program& program, const Options& options) {
+  if (!options.pose_at_ns && options.estimate.empty()) {
+    throw std::invalid_argument("--estimate, --run or --pose-at-ns is required");
+  }
+  if (options.runs.truths.size() != 1) {
+    throw std::invalid_argument("--ground-truth is required, one file");
+  }
+  const Trajectory truth = read_poses(options.runs.truths.front());
+  if (options.pose_at_ns) return [=] { return print_start_pose(truth, options); };
+  const auto config = read_evaluation_config(program.config().section("evaluation"));
+  const Trajectory estimate = read_poses(options.estimate);
+  const Alignment alignment = alignment_named(options.alignment);
+  return [=] { return print(evaluate(truth, estimate, alignment, config), options.json); };
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -126,24 +170,11 @@ int main(int argc, char** argv) {
     Options options;
     add_options(program.options(), options);
     return program.run(argc, argv, [&]() -> Program::Run {
-      if (options.pose_at_ns) {
-        return [=, truth = read_poses(options.truth)] { return print_start_pose(truth, options); };
-      }
-      if (options.estimate.empty() == options.run.empty()) {
-        throw std::invalid_argument("--estimate, --run or --pose-at-ns is required");
-      }
+      if (options.runs.runs.empty()) return prepared_comparison(program, options);
+      check(options.runs);
       const auto config = read_evaluation_config(program.config().section("evaluation"));
-      const Trajectory truth = read_poses(options.truth);
-      if (options.run.empty()) {
-        const Trajectory estimate = read_poses(options.estimate);
-        const Alignment alignment = alignment_named(options.alignment);
-        return [=] { return print(evaluate(truth, estimate, alignment, config), options.json); };
-      }
-      if (!std::filesystem::is_directory(options.run)) {
-        throw std::invalid_argument(options.run + ": no such folder");
-      }
-      return [=] {
-        return write(evaluate_run(options.run, truth, config), options.run, options.json);
+      return [=, runs = opened_runs(options.runs)]() mutable {
+        return treat_runs(runs, options, config);
       };
     });
   });

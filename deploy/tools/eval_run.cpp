@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "deploy/tools/eval_confidence.hpp"
-#include "deploy/tools/eval_diagnostics.hpp"
+#include "shared/run_folder/diagnostics_file.hpp"
+#include "shared/trajectory/dead_reckoning.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
@@ -50,6 +51,29 @@ nlohmann::json errors_or_null(const std::vector<PosePair>& pairs,
   return to_json(absolute_trajectory_error(pairs, T_truth_estimate).*which);
 }
 
+nlohmann::json ratio(double control, double localized) {
+  if (localized <= 0.0) return nullptr;
+  return control / localized;
+}
+
+/// Over the frames that both have, so that the two are compared on the same ground.
+nlohmann::json control_or_null(const Trajectory& truth,
+                               const Trajectory& localized,
+                               const Trajectory& odometry,
+                               const EvaluationConfig& config) {
+  const Trajectory control = aligned_once(odometry, localized);
+  const auto control_pairs = associate(truth, control, config.max_gap);
+  const auto pairs = associate(truth, localized, config.max_gap);
+  if (control_pairs.empty()) return nullptr;
+  const TrajectoryError its = absolute_trajectory_error(control_pairs, {});
+  const TrajectoryError error = absolute_trajectory_error(pairs, {});
+  return {{"ate", to_json(its.translation_m)},
+          {"rotation_deg", to_json(its.rotation_deg)},
+          {"ratio",
+           {{"median", ratio(its.translation_m.median, error.translation_m.median)},
+            {"rmse", ratio(its.translation_m.rmse, error.translation_m.rmse)}}}};
+}
+
 nlohmann::json relative_or_null(const std::vector<PosePair>& pairs,
                                 const EvaluationConfig& config) {
   const auto error = relative_trajectory_error(pairs, config.relative_interval, config.max_gap);
@@ -90,9 +114,10 @@ nlohmann::json evaluate(const Trajectory& truth,
 nlohmann::json evaluate_run(const std::filesystem::path& run,
                             const Trajectory& truth,
                             const EvaluationConfig& config) {
-  const auto map =
-      associate(truth, read_trajectory(run / "localization_frames.tum"), config.max_gap);
-  const auto odom = associate(truth, read_trajectory(run / "odometry.tum"), config.max_gap);
+  const Trajectory localized = read_trajectory(run / "localization_frames.tum");
+  const Trajectory odometry = read_trajectory(run / "odometry.tum");
+  const auto map = associate(truth, localized, config.max_gap);
+  const auto odom = associate(truth, odometry, config.max_gap);
   const RunCovariances covariances = read_covariances(run / "diagnostics.csv");
   const Pose T_truth_odom = align(odom, Alignment::kSe3);
   return {
@@ -100,6 +125,7 @@ nlohmann::json evaluate_run(const std::filesystem::path& run,
       {"rotation_deg", errors_or_null(map, {}, &TrajectoryError::rotation_deg)},
       {"odometry_ate", errors_or_null(odom, T_truth_odom, &TrajectoryError::translation_m)},
       {"odometry_rotation_deg", errors_or_null(odom, T_truth_odom, &TrajectoryError::rotation_deg)},
+      {"aligned_once", control_or_null(truth, localized, odometry, config)},
       {"confidence", confidence(map, covariances)},
       {"odometry_relative", relative_or_null(odom, config)},
       {"coverage", read_coverage(run / "summary.json")},

@@ -33,6 +33,8 @@ nlohmann::json evaluate(const Trajectory& truth,
 ///
 /// - `ate`, `rotation_deg`: of localization_frames.tum as it is
 /// - `odometry_ate`, `odometry_rotation_deg`: of odometry.tum, aligned in SE(3)
+/// - `aligned_once`: `ate` and `rotation_deg` of the control (see dead_reckoning.hpp) at the frames
+///   of localization_frames.tum, and the `ratio` {median, rmse} of its `ate` to the run's
 /// - `confidence`: see eval_confidence.hpp
 /// - `odometry_relative`: of the same, over relative_interval, no alignment: `pairs`,
 ///   `translation_rmse_m`, `rotation_rmse_deg`

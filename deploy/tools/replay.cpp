@@ -66,7 +66,9 @@ class Replay {
                   far_side_ ? &far_side_->client : nullptr,
                   thread_cpu_time),
         recorder_(options.out),
-        out_(options.out) {}
+        out_(options.out) {
+    recorder_.write_config(options.config);
+  }
 
   void run(const std::stop_token& stop);
 

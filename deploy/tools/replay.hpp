@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "cloud/pool/localizer_pool.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
@@ -39,6 +40,7 @@ struct ReplayOptions {
   LinkConfig link;
   FaultPlan faults;
   bool align_once = false;
+  std::string config;  ///< in force, as YAML; for the run folder
 };
 
 /// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened. What is

@@ -45,17 +45,25 @@ LinkConfig link_config(const LinkArguments& arguments) {
   return link;
 }
 
-ReplayConfig read_config(const ConfigReader& config, std::optional<int> window) {
+ReplayConfig read_config(const ConfigReader& config) {
   ConfigReader reader = config;
   ConfigReader durations = reader.section("replay");
-  ReplayConfig result{.pipeline = read_robot_pipeline_config(config),
-                      .worker = read_keyframe_worker_config(config),
-                      .client = read_cloud_client_config(reader.section("client")),
-                      .pool = read_localizer_pool_config(config),
-                      .durations = {.back_end_s = durations.positive("back_end_s"),
-                                    .localization_s = durations.positive("localization_s")}};
-  if (window) result.pool.localizer.database.window = *window;
-  return result;
+  return {.pipeline = read_robot_pipeline_config(config),
+          .worker = read_keyframe_worker_config(config),
+          .client = read_cloud_client_config(reader.section("client")),
+          .pool = read_localizer_pool_config(config),
+          .durations = {.back_end_s = durations.positive("back_end_s"),
+                        .localization_s = durations.positive("localization_s")}};
+}
+
+/// The configuration of the program, with what the command line says of it.
+ConfigReader effective(const Program& program, std::optional<int> window) {
+  ConfigReader config = program.config();
+  if (window) {
+    config.overlay(ConfigReader::from_string("localizer: {window: " + std::to_string(*window) + "}",
+                                             "--window"));
+  }
+  return config;
 }
 
 }  // namespace
@@ -111,9 +119,10 @@ int main(int argc, char** argv) {
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       options.link = link_config(link);
       if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
-      const auto config = read_config(program.config(),
-                                      windowed->count() > 0 ? std::optional(window) : std::nullopt);
-      return [replay = prepared_replay(options, config), termination] {
+      const ConfigReader config =
+          effective(program, windowed->count() > 0 ? std::optional(window) : std::nullopt);
+      options.config = program.command_line() + config.text();
+      return [replay = prepared_replay(options, read_config(config)), termination] {
         replay(termination->token());
         return static_cast<int>(kSuccess);
       };

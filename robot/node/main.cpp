@@ -65,7 +65,9 @@ int main(int argc, char** argv) {
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
       if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
-      auto node = std::make_shared<RobotNode>(options, read_config(program.config()));
+      const ConfigReader config = program.config();
+      options.config = program.command_line() + config.text();
+      auto node = std::make_shared<RobotNode>(options, read_config(config));
       return [node, termination] {
         node->run(termination->token());
         return static_cast<int>(kSuccess);

@@ -52,7 +52,9 @@ struct RobotNode::Parts {
         pipeline(setup(options, reader), config.pipeline, back_end, &client, thread_cpu_time),
         recorder(options.out),
         frame_count(reader.frame_count()),
-        player(FaultInjector(std::move(reader), options.faults), options.rate) {}
+        player(FaultInjector(std::move(reader), options.faults), options.rate) {
+    recorder.write_config(options.config);
+  }
 
   void play(const std::stop_token& stop);
   void take(DatasetPlayer::Played played);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
@@ -25,6 +26,7 @@ struct RobotNodeOptions {
   std::optional<Pose> T_map_body;  ///< at the first image
   std::optional<LinkConfig> link;
   FaultPlan faults;
+  std::string config;  ///< in force, as YAML; for the run folder
 };
 
 struct RobotNodeConfig {

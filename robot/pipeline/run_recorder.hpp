@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <vector>
 
 #include "robot/pipeline/robot_pipeline.hpp"
@@ -13,6 +14,7 @@ class RunRecorder {
  public:
   explicit RunRecorder(const std::filesystem::path& folder) : folder_(folder) {}
 
+  void write_config(const std::string& yaml) const { folder_.write_config(yaml); }
   void add_imu_rate_pose(const PoseEstimate& pose) { folder_.add_imu_rate_pose(pose); }
   void add_decoding(Duration cpu) { summary_.decode_ms.push_back(1e3 * to_seconds(cpu)); }
 

@@ -1,5 +1,6 @@
 #include "shared/config/program.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <utility>
@@ -13,6 +14,19 @@ namespace {
 int report(const std::string& name, const std::string& message, int exit_code) {
   std::cerr << name << ": " << message.substr(0, message.find('\n')) << '\n';
   return exit_code;
+}
+
+/// As a comment of one line; words that a shell would take apart stand in quotes.
+std::string comment(const std::string& name, int argc, const char* const* argv) {
+  std::string line = "# " + name + " " + FLEETLOC_VERSION + ":";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool is_plain = !word.empty() && word.find_first_of(" \t*?$'\"\\") == std::string::npos;
+    line += is_plain ? " " + word : " '" + word + "'";
+  }
+  std::ranges::replace_if(
+      line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return line + "\n";
 }
 
 }  // namespace
@@ -40,6 +54,7 @@ std::string Program::config_text() const {
 }
 
 int Program::run(int argc, const char* const* argv, const std::function<Run()>& prepare) {
+  command_line_ = comment(name_, argc, argv);
   Run run;
   try {
     app_.parse(argc, argv);

@@ -55,6 +55,9 @@ class Program {
   /// The defaults, overlaid by the file of --config. Throws ConfigError.
   [[nodiscard]] ConfigReader config() const;
 
+  /// The command line as a comment of YAML, for a file that is to say how a result came about.
+  [[nodiscard]] const std::string& command_line() const { return command_line_; }
+
   /// Reads the command line, then prepares, then runs what `prepare` returned.
   /// @return for main(): 2 if the command line is wrong or `prepare` throws, 1 if the run throws,
   ///         else what the run returns
@@ -66,6 +69,7 @@ class Program {
   std::string name_;
   std::string config_name_;
   std::string config_file_;
+  std::string command_line_;
   CLI::App app_;
 };
 

@@ -78,6 +78,14 @@ RunFolder::RunFolder(const std::filesystem::path& folder) : folder_(folder) {
   answers_ << "stamp_s,arrival_s,localizer,status,reason,applied\n";
 }
 
+void RunFolder::write_config(const std::string& yaml) const {
+  const auto file = folder_ / "config.yaml";
+  std::ofstream stream = opened(file);
+  stream << yaml;
+  stream.close();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
 void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
   if (pose.T_map_body) write_tum_line(localization_, pose.stamp, *pose.T_map_body);
 }

@@ -78,6 +78,9 @@ class RunFolder {
   /// Creates the folder and its files; throws std::runtime_error that names what cannot be made.
   explicit RunFolder(const std::filesystem::path& folder);
 
+  /// Writes config.yaml.
+  /// @param yaml  the configuration in force
+  void write_config(const std::string& yaml) const;
   void add_imu_rate_pose(const PoseEstimate& pose);
   void add_frame(const FrameRecord& frame);
   void add_answer(const AnswerRecord& answer);

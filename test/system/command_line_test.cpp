@@ -248,6 +248,51 @@ TEST_F(CommandLine, IsCheckedByTheEvaluation) {
       FLEETLOC_EVAL, with(without(good, "--estimate"), "--run", file("none")), file("none"));
 }
 
+TEST_F(CommandLine, IsCheckedByTheReport) {
+  const std::string truth = file("truth.tum");
+  const auto refused = [](const std::vector<std::string>& words, const std::string& culprit) {
+    expect_refused(FLEETLOC_EVAL, words, culprit);
+  };
+  std::filesystem::create_directories(scratch_ / "run");
+  const std::string folder = file("run");
+  refused({"--run", folder}, "--ground-truth");
+  refused({"--report", "r.html"}, "--run");
+  refused({"--run", folder, "--ground-truth", truth, truth}, "2 files for 1 runs");
+  refused({"--run", folder, file("none"), "--report", "r.html"}, file("none"));
+  refused({"--run", folder, "--report", "r.html", "--map", file("none.pcd")}, file("none.pcd"));
+  refused({"--run", folder, "--report", "r.html", "--sessions", file("none.json")},
+          file("none.json"));
+  refused({"--run", folder, "--ground-truth", truth, "--map", file("map.pcd")}, "--report");
+}
+
+TEST_F(CommandLine, ReportsARunAndRepeatsItWithItsConfiguration) {
+  const std::string first = file("first");
+  const Outcome once = run(FLEETLOC_REPLAY, {"--dataset", file("dataset"), "--out", first});
+  ASSERT_EQ(once.exit_code, 0) << once.errors;
+  const std::string config = content_of(scratch_ / "first" / "config.yaml");
+  EXPECT_THAT(config, AllOf(StartsWith("# fleetloc-replay "), HasSubstr(" --out " + first + "\n")));
+  const Outcome again = run(
+      FLEETLOC_REPLAY,
+      {"--dataset", file("dataset"), "--out", file("again"), "--config", first + "/config.yaml"});
+  EXPECT_EQ(again.exit_code, 0) << again.errors;
+
+  const Outcome reported =
+      run(FLEETLOC_EVAL, {"--run", first, file("again"), "--report", file("new") + "/report.html"});
+  EXPECT_EQ(reported.exit_code, 0) << reported.errors;
+  EXPECT_THAT(reported.output, StartsWith("== " + first));
+  EXPECT_THAT(content_of(scratch_ / "new" / "report.html"),
+              AllOf(HasSubstr("<h2>first</h2>"), HasSubstr("<h2>again</h2>")));
+  const Outcome plotless =
+      run("/usr/bin/env",
+          {"PATH=" + file("dataset"), FLEETLOC_EVAL, "--run", first, "--report", file("r.html")});
+  EXPECT_EQ(plotless.exit_code, 1);
+  EXPECT_THAT(plotless.errors, HasSubstr("install the package gnuplot-nox"));
+  std::filesystem::remove(scratch_ / "first" / "answers.csv");
+  const Outcome broken = run(FLEETLOC_EVAL, {"--run", first, "--report", file("r.html")});
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_THAT(broken.errors, HasSubstr(first + "/answers.csv"));
+}
+
 TEST(Robot, LinksNoPointCloudLibrary) {
   const Outcome linked = run("/usr/bin/ldd", {FLEETLOC_ROBOT});
   ASSERT_EQ(linked.exit_code, 0) << linked.errors;

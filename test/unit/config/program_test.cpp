@@ -15,6 +15,7 @@ namespace fleetloc {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -63,6 +64,17 @@ TEST(Program, RefusesToStartWithoutARequiredOption) {
   const Outcome outcome = run({});
   EXPECT_EQ(outcome.exit_code, kCannotStart);
   EXPECT_THAT(outcome.errors, HasSubstr("--map is required"));
+}
+
+TEST(Program, KeepsItsCommandLineAsOneLineOfComment) {
+  Program program("fleetloc-test", "Does nothing.");
+  std::vector<std::string> words;
+  program.options().add_option("words", words);
+  const std::vector<const char*> arguments{"fleetloc-test", "a", "1 2", "c\nd"};
+  program.run(
+      static_cast<int>(arguments.size()), arguments.data(), [] { return [] { return 0; }; });
+  EXPECT_THAT(program.command_line(),
+              AllOf(StartsWith("# fleetloc-test "), EndsWith(": a '1 2' c d\n")));
 }
 
 TEST(Program, SaysItsVersionAndConfigurationWithoutRequiredOptions) {

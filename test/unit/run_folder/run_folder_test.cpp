@@ -120,6 +120,13 @@ TEST_F(RunFolderTest, WritesWhatBecameOfEachAnswer) {
                   "1403715275.000000000,1403715275.250000000,localizer_1,too_few_matches,,0"));
 }
 
+TEST_F(RunFolderTest, KeepsTheConfiguration) {
+  const RunFolder run(folder_);
+  run.write_config("# fleetloc-replay\nvio: {window: {keyframes: 10}}\n");
+  EXPECT_THAT(lines_of(folder_ / "config.yaml"),
+              ElementsAre("# fleetloc-replay", "vio: {window: {keyframes: 10}}"));
+}
+
 TEST_F(RunFolderTest, KeepsWhatWasAddedIfTheRunEndsEarly) {
   {
     RunFolder run(folder_);

@@ -11,10 +11,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "deploy/tools/eval_diagnostics.hpp"
 #include "shared/config/default_config.hpp"
 #include "shared/config/delimited_file.hpp"
 #include "shared/geometry/so3.hpp"
+#include "shared/run_folder/diagnostics_file.hpp"
 #include "shared/trajectory/tum_file.hpp"
 #include "test/test_folder.hpp"
 
@@ -175,6 +175,22 @@ TEST_F(EvaluateRun, FindsNeesNearOneForAnHonestCovarianceAndFourForHalfTheSigmas
   EXPECT_NEAR(evaluation["nees"]["odom"].get<double>(), 4.0, 0.2);
 }
 
+// The control starts with the error of one pose, which its lever arm carries along.
+TEST_F(EvaluateRun, ComparesWithTheControlThatIsAlignedOnce) {
+  const auto before = evaluate_run(folder_, truth(), config());
+  const auto& control = before["aligned_once"];
+  EXPECT_DOUBLE_EQ(control["ratio"]["rmse"].get<double>(),
+                   control["ate"]["rmse"].get<double>() / before["ate"]["rmse"].get<double>());
+  EXPECT_DOUBLE_EQ(control["ratio"]["median"].get<double>(),
+                   control["ate"]["median"].get<double>() / before["ate"]["median"].get<double>());
+  EXPECT_LT(control["ate"]["rmse"].get<double>(), 0.3);
+
+  displace_localization({100}, 2.0);  // the first pose in the map
+  const auto after = evaluate_run(folder_, truth(), config());
+  EXPECT_NEAR(after["aligned_once"]["ate"]["median"].get<double>(), 2.0, 0.3);
+  EXPECT_NEAR(after["ate"]["median"].get<double>(), before["ate"]["median"].get<double>(), 1e-3);
+}
+
 TEST_F(EvaluateRun, CountsFramesThatAreWrongAndSureOfIt) {
   const auto before = evaluate_run(folder_, truth(), config())["confidence"];
   EXPECT_EQ(before["localized_frames"], kFrames - 100);
@@ -204,6 +220,7 @@ TEST_F(EvaluateRun, HasNoMapErrorsForARunThatWasNeverLocalized) {
   std::filesystem::remove(folder_ / "summary.json");
   const auto evaluation = evaluate_run(folder_, truth(), config());
   EXPECT_TRUE(evaluation["ate"].is_null());
+  EXPECT_TRUE(evaluation["aligned_once"].is_null());
   EXPECT_TRUE(evaluation["coverage"].is_null());
   EXPECT_TRUE(evaluation["nees"]["map"].is_null());
   EXPECT_FALSE(evaluation["odometry_ate"].is_null());
