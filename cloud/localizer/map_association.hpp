@@ -12,6 +12,7 @@ struct AssociationConfig {
   double plane_sigma_m;         ///< map noise and association error along a plane's normal
   double point_sigma_m;         ///< the same where the surroundings are not planar
   double least_planarity;       ///< of the map point, see MapPoint: from here on point to plane
+  double level_from;            ///< vertical part of a unit normal: flatter surfaces are level
   double max_landmark_sigma_m;  ///< a landmark less certain than this is not matched
   double gate_deviations;       ///< standard deviations within which a match must lie
   double coverage_radius_m;     ///< map within this of a landmark: the place is mapped
@@ -23,6 +24,7 @@ struct Association {
   std::vector<MapMatch> matches;  ///< increasing by landmark
   int eligible = 0;               ///< landmarks known well enough
   int covered = 0;                ///< of these, on mapped ground
+  int level = 0;                  ///< of the matches, on level surfaces
   int hidden = 0;                 ///< of these, seen through a surface of the map
 };
 

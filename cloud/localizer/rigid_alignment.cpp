@@ -93,13 +93,14 @@ void add_match(const MapMatch& match, const Eigen::Vector3d& center_map, double 
 
 Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
                            const PoseBelief& prior,
-                           const Gates& gates) const {
+                           const Gates& gates,
+                           const std::optional<Pose>& guess) const {
   if (landmarks.empty()) return Pose{};
   const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
+  std::vector<Pose> starts = starts_around(prior, config_.start_deviations);
+  if (guess) starts.push_back(*guess);
   std::vector<Aligned> results;
-  for (const Pose& start : starts_around(prior, config_.start_deviations)) {
-    results.push_back(descend(some, prior, gates, start));
-  }
+  for (const Pose& start : starts) results.push_back(descend(some, prior, gates, start));
   return std::ranges::min_element(results, {}, &Aligned::score)->T_new_old;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cloud/laser_map/laser_map.hpp"
@@ -29,10 +30,12 @@ class RigidAlignment {
       : map_(map), association_(association), config_(config) {}
 
   /// @param prior  of one keyframe of the window, at its present pose
+  /// @param guess  another start, as T_new_old
   /// @return T_new_old in the map: x_map is to become T_new_old * x_map
   [[nodiscard]] Pose align(const std::vector<WindowLandmark>& landmarks,
                            const PoseBelief& prior,
-                           const Gates& gates) const;
+                           const Gates& gates,
+                           const std::optional<Pose>& guess = std::nullopt) const;
 
  private:
   struct Aligned {

@@ -53,6 +53,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       database_(config_.database),
       problem_(session.stereo, config_.database.window, config_.problem),
       alignment_(*map_, config_.association, config_.alignment),
+      start_(config_.confirmation),
       anchor_(anchor_at_start(session)) {}
 
 void SessionLocalizer::add(const Submap& submap) {
@@ -175,7 +176,12 @@ double SessionLocalizer::gate_for(const PoseBelief& belief) const {
 void SessionLocalizer::align(const Hold& hold) {
   const RigidAlignment::Gates gates{diagnostics_.gate_m, config_.rounds.final_gate_m};
   const PoseBelief prior{problem_.pose(hold.keyframe), hold.belief.covariance};
-  problem_.move(alignment_.align(problem_.landmarks(), prior, gates));
+  std::optional<Pose> guess;
+  if (start_.last_T_map_odom()) {
+    const Pose& T_odom_body = database_.keyframe(hold.keyframe).item.T_odom_body;
+    guess = *start_.last_T_map_odom() * T_odom_body * inverse(prior.T_map_body);
+  }
+  problem_.move(alignment_.align(problem_.landmarks(), prior, gates, guess));
   diagnostics_.aligned = true;
 }
 
@@ -203,6 +209,7 @@ LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) 
   diagnostics_.eligible = association_.eligible;
   diagnostics_.covered = association_.covered;
   diagnostics_.hidden = association_.hidden;
+  diagnostics_.level = association_.level;
   diagnostics_.matches = static_cast<int>(association_.matches.size());
   diagnostics_.planar_matches =
       static_cast<int>(std::ranges::count_if(association_.matches, &MapMatch::is_planar));
@@ -246,18 +253,27 @@ LocalizationStatus SessionLocalizer::check_matches() const {
     return kNoMapCoverage;
   }
   const auto matches = static_cast<int>(association_.matches.size());
-  if (matches <
-      std::max(least.least_matches, share_of(least.least_matched_share, association_.covered))) {
-    return kTooFewMatches;
-  }
-  return kLocalized;
+  const bool agree = telling_matches() >= least.least_agreement * telling_landmarks();
+  return matches >= least.least_matches && agree ? kLocalized : kTooFewMatches;
+}
+
+// Those that are not on the ground, which fits wherever the robot is.
+int SessionLocalizer::telling_matches() const {
+  return static_cast<int>(association_.matches.size()) - association_.level;
+}
+
+int SessionLocalizer::telling_landmarks() const {
+  return association_.eligible - association_.level;
 }
 
 // A wrong start often finds surfaces to match, but not without contradicting others.
-bool SessionLocalizer::agrees_enough_to_start() const {
+bool SessionLocalizer::is_sure() const {
+  const auto& sure = config_.acceptance;
   const auto matched = static_cast<double>(association_.matches.size());
   const int against = association_.eligible - association_.covered + 2 * association_.hidden;
-  return matched - against >= config_.acceptance.least_start_agreement * association_.eligible;
+  return matched - against >= sure.sure_balance * association_.eligible &&
+         telling_matches() >= sure.sure_matches &&
+         telling_matches() >= sure.sure_agreement * telling_landmarks();
 }
 
 void SessionLocalizer::measure_fit() {
@@ -279,8 +295,6 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   result.T_map_body = problem_.pose(newest.id);
 
   if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
-  const bool is_tracking = anchor_->keyframe && refused_in_a_row_ == 0;
-  if (!is_tracking && !agrees_enough_to_start()) return kTooFewMatches;
 
   PoseBelief expected = predicted(newest.id);
   expected.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);
@@ -295,7 +309,10 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   const std::optional<Matrix6d> covariance = system_->covariance_of_newest();
   if (!covariance) return kDegenerate;
   result.covariance = config_.honesty.scale * config_.honesty.scale * *covariance;
-  return add_weak_directions(hold, result) ? kLocalized : kDegenerate;
+  if (!add_weak_directions(hold, result)) return kDegenerate;
+  const double travelled_m = path_.at(newest.id).travelled_m;
+  return start_.take(result.T_map_body, newest.T_odom_body, travelled_m, is_sure()) ? kLocalized
+                                                                                    : kUnconfirmed;
 }
 
 // Along weak directions the answer is as uncertain as the prior grown by the odometry since; false

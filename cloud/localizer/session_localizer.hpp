@@ -13,6 +13,7 @@
 #include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
+#include "cloud/localizer/start_confirmation.hpp"
 #include "cloud/localizer/window_problem.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/model/answer.hpp"
@@ -27,6 +28,7 @@ struct LocalizationDiagnostics {
   int observations = 0;  ///< of them
   int eligible = 0;      ///< landmarks known well enough to be matched
   int covered = 0;       ///< of these, on mapped ground
+  int level = 0;         ///< of the matches, on level surfaces
   int hidden = 0;        ///< of these, seen through a surface of the map
   int matches = 0;       ///< of these, in the last round
   int planar_matches = 0;
@@ -63,10 +65,13 @@ class SessionLocalizer {
     int least_keyframes;
     int least_matches;
     double least_covered_share;  ///< of the eligible landmarks
-    double least_matched_share;  ///< of the covered landmarks
-    /// Of the first localization: the matched share of the eligible landmarks, less the share that
-    /// is off the map, less twice the share that would be seen through its surfaces.
-    double least_start_agreement;
+    double least_agreement;      ///< matched share of the landmarks that are not on the ground
+    /// Of a first localization that needs no confirmation: the same, at least so many of them, and
+    /// the matched share of all landmarks, less the share that is off the map, less twice the
+    /// share that would be seen through its surfaces.
+    double sure_agreement;
+    int sure_matches;
+    double sure_balance;
     double max_median_residual;  ///< of the matches, in standard deviations
     double reach_deviations;     ///< from what odometry predicts
     double reach_floor_m;        ///< added to that prediction's deviations
@@ -89,6 +94,7 @@ class SessionLocalizer {
     DriftConfig drift;
     Rounds rounds;
     Acceptance acceptance;
+    StartConfirmation::Config confirmation;
     Honesty honesty;
     CorrectionConfig corrections;
   };
@@ -139,7 +145,9 @@ class SessionLocalizer {
   [[nodiscard]] double gate_for(const PoseBelief& belief) const;
   void measure_fit();
   [[nodiscard]] LocalizationStatus check_matches() const;
-  [[nodiscard]] bool agrees_enough_to_start() const;
+  [[nodiscard]] int telling_matches() const;
+  [[nodiscard]] int telling_landmarks() const;
+  [[nodiscard]] bool is_sure() const;
   LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
   [[nodiscard]] double reach() const;
   [[nodiscard]] PoseBelief predicted(KeyframeId keyframe) const;
@@ -151,6 +159,7 @@ class SessionLocalizer {
   SessionDatabase database_;
   WindowProblem problem_;
   RigidAlignment alignment_;
+  StartConfirmation start_;
   std::optional<PoseAnchor> anchor_;      // none: there is no start pose
   std::map<KeyframeId, PathPoint> path_;  // of the odometry, at the stored keyframes
   int refused_in_a_row_ = 0;              // for the reach alone

@@ -18,8 +18,10 @@ SessionLocalizer::Acceptance read_acceptance(ConfigReader section) {
   return {.least_keyframes = section.integer("least_keyframes", 1, 1000),
           .least_matches = section.integer("least_matches", 3, 10000),
           .least_covered_share = section.positive("least_covered_share"),
-          .least_matched_share = section.positive("least_matched_share"),
-          .least_start_agreement = section.positive("least_start_agreement"),
+          .least_agreement = section.number("least_agreement", 0.0, 1.0),
+          .sure_agreement = section.number("sure_agreement", 0.0, 1.0),
+          .sure_matches = section.integer("sure_matches", 0, 10000),
+          .sure_balance = section.number("sure_balance", -2.0, 1.0),
           .max_median_residual = section.positive("max_median_residual"),
           .reach_deviations = section.positive("reach_deviations"),
           .reach_floor_m = section.positive("reach_floor_m"),
@@ -46,6 +48,7 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
           .drift = read_drift_config(section.section("drift")),
           .rounds = read_rounds(section.section("rounds")),
           .acceptance = read_acceptance(section.section("acceptance")),
+          .confirmation = read_start_confirmation_config(section.section("confirmation")),
           .honesty = read_honesty(section.section("honesty")),
           .corrections = read_correction_config(section.section("corrections"))};
 }

@@ -21,6 +21,7 @@ enum class LocalizationStatus {
   kNotConverged,     ///< the optimization failed or moved further than the prior allows
   kPoorFit,          ///< what matches, matches badly
   kDegenerate,       ///< the map does not constrain the pose well enough to be sent
+  kUnconfirmed,      ///< most of what the robot sees is new; it must drive on to be found
 };
 
 /// As it stands in logs and summaries, e.g. "too_few_matches".

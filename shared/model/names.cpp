@@ -23,6 +23,8 @@ std::string_view name(LocalizationStatus status) {
       return "poor_fit";
     case LocalizationStatus::kDegenerate:
       return "degenerate";
+    case LocalizationStatus::kUnconfirmed:
+      return "unconfirmed";
   }
   return "unknown";
 }

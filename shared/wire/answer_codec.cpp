@@ -18,11 +18,12 @@ static_assert(static_cast<int>(LocalizationStatus::kTooFewMatches) == wire::TOO_
 static_assert(static_cast<int>(LocalizationStatus::kNotConverged) == wire::NOT_CONVERGED);
 static_assert(static_cast<int>(LocalizationStatus::kPoorFit) == wire::POOR_FIT);
 static_assert(static_cast<int>(LocalizationStatus::kDegenerate) == wire::DEGENERATE);
+static_assert(static_cast<int>(LocalizationStatus::kUnconfirmed) == wire::UNCONFIRMED);
 
 constexpr std::int64_t kLongestHoldingTime_ns = 3'600'000'000'000;
 
 Defect defect_of_sample(const wire::LocalizationResult& sample) {
-  if (sample.status() > wire::DEGENERATE) return Malformed::kUnknownValue;
+  if (sample.status() > wire::UNCONFIRMED) return Malformed::kUnknownValue;
   if (const Defect found = defect_of_stamp(sample.stamp_ns())) return found;
   if (sample.holding_time_ns() < 0 || sample.holding_time_ns() > kLongestHoldingTime_ns) {
     return Malformed::kOutOfRange;

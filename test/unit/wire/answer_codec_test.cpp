@@ -35,7 +35,7 @@ TEST(AnswerCodec, RoundTripPreservesEveryField) {
 }
 
 TEST(AnswerCodec, RoundTripPreservesEveryStatus) {
-  for (int status = 0; status <= static_cast<int>(LocalizationStatus::kDegenerate); ++status) {
+  for (int status = 0; status <= static_cast<int>(LocalizationStatus::kUnconfirmed); ++status) {
     Answer sent = some_answer();
     sent.status = static_cast<LocalizationStatus>(status);
     EXPECT_EQ(std::get<Answer>(decode_answer(encode(sent))).status, sent.status);
@@ -56,7 +56,7 @@ TEST(AnswerCodec, RefusesWithAReason) {
   expect_answer_refused(kInvalidId, [](auto& sample) { sample.robot("?"); });
   expect_answer_refused(kInvalidId, [](auto& sample) { sample.localizer(""); });
   expect_answer_refused(
-      kUnknownValue, [](auto& sample) { sample.status(static_cast<wire::LocalizationStatus>(9)); });
+      kUnknownValue, [](auto& sample) { sample.status(static_cast<wire::LocalizationStatus>(10)); });
   expect_answer_refused(
       kOutOfRange, [](auto& sample) { sample.stamp_ns(std::numeric_limits<std::int64_t>::min()); });
   expect_answer_refused(kOutOfRange, [](auto& sample) { sample.holding_time_ns(-1); });

@@ -1,0 +1,53 @@
+#include "cloud/localizer/start_confirmation.hpp"
+
+#include <gtest/gtest.h>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr StartConfirmation::Config kConfig{.path_m = 15.0, .tolerance_m = 0.2};
+
+Pose at(double x, double y) {
+  return {Eigen::Quaterniond::Identity(), {x, y, 0.0}};
+}
+
+TEST(StartConfirmation, IsImmediateWhereTheMapAgrees) {
+  StartConfirmation start(kConfig);
+  EXPECT_TRUE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, true));
+  EXPECT_TRUE(start.take(at(8.0, 5.0), at(1.0, 0.0), 1.0, false)) << "and final";
+}
+
+TEST(StartConfirmation, TakesAPathWhereTheMapHardlyAgrees) {
+  StartConfirmation start(kConfig);
+  for (double x = 0.0; x < 15.0; x += 1.0) {
+    EXPECT_FALSE(start.take(at(7.0 + x, 0.1), at(x, 0.0), x, false)) << x;
+  }
+  EXPECT_TRUE(start.take(at(22.0, 0.0), at(15.0, 0.0), 15.0, false));
+}
+
+TEST(StartConfirmation, NeverComesToARobotThatStands) {
+  StartConfirmation start(kConfig);
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, false));
+}
+
+TEST(StartConfirmation, BeginsAnewWhenThePlaceMoves) {
+  StartConfirmation start(kConfig);
+  EXPECT_FALSE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, false));
+  EXPECT_FALSE(start.take(at(17.0, 0.0), at(10.0, 0.0), 10.0, false));
+  EXPECT_FALSE(start.take(at(23.0, 0.3), at(16.0, 0.0), 16.0, false)) << "moved by 0.3 m";
+  EXPECT_FALSE(start.take(at(33.0, 0.3), at(26.0, 0.0), 26.0, false));
+  EXPECT_TRUE(start.take(at(38.0, 0.3), at(31.0, 0.0), 31.0, false));
+}
+
+// A wrong heading is a place that moves as the robot drives on.
+TEST(StartConfirmation, BeginsAnewWhenTheHeadingWasWrong) {
+  StartConfirmation start(kConfig);
+  const Pose T_map_odom{exp_so3({0.0, 0.0, 0.05}), Eigen::Vector3d::Zero()};
+  EXPECT_FALSE(start.take(T_map_odom * at(0.0, 0.0), at(0.0, 0.0), 0.0, false));
+  EXPECT_FALSE(start.take(at(15.0, 0.0), at(15.0, 0.0), 15.0, false)) << "0.75 m beside";
+}
+
+}  // namespace
+}  // namespace fleetloc
