@@ -1,4 +1,5 @@
 // fleetloc-sim: makes a dataset with ground truth.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <opencv2/core.hpp>
 
 #include "cloud/laser_map/build_map.hpp"
+#include "deploy/tools/sim_landmarks.hpp"
 #include "deploy/tools/sim_run.hpp"
 #include "deploy/tools/sim_sheet.hpp"
 #include "deploy/tools/sim_tracks.hpp"
@@ -179,6 +181,20 @@ int print_comparison(const Prepared& prepared, const FeatureTracker::Config& fro
   return kSuccess;
 }
 
+void print_unmapped(const Prepared& prepared,
+                    const std::vector<SessionScene>& sessions,
+                    const std::string& survey,
+                    const SimConfig& config) {
+  const auto& map = *std::ranges::find(
+      sessions, survey, [](const SessionScene& session) { return session.config().name; });
+  std::cout << "landmarks without a surface in a map made in " << survey << ":\n";
+  for (const SessionScene& session : sessions) {
+    const double share =
+        unmapped_share(*prepared.motion, session, map, config, prepared.options.seed);
+    std::cout << "  " << session.config().name << ' ' << std::lround(100.0 * share) << " %\n";
+  }
+}
+
 Program::Run prepared_sheet(const Arguments& arguments, const Prepared& prepared) {
   if (std::filesystem::path(arguments.contact_sheet).extension() != ".png") {
     throw std::invalid_argument("--contact-sheet: '" + arguments.contact_sheet +
@@ -189,10 +205,12 @@ Program::Run prepared_sheet(const Arguments& arguments, const Prepared& prepared
   return [config,
           prepared,
           sessions = all_sessions(arguments, *prepared.motion),
+          survey = read_world_config(ConfigReader::from_file(arguments.scene)).survey,
           file = arguments.contact_sheet] {
     constexpr int kUnused = 100;  // quality of a JPEG
     write_image(
         file, contact_sheet(*prepared.motion, sessions, config, prepared.options.seed), kUnused);
+    print_unmapped(prepared, sessions, survey, config);
     return static_cast<int>(kSuccess);
   };
 }

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "deploy/tools/sim_tracks.hpp"
+#include "shared/concurrency/parallel_rows.hpp"
 #include "shared/config/progress_line.hpp"
 #include "shared/dataset/lidar_file.hpp"
 #include "shared/pointcloud/point_cloud_file.hpp"
 #include "shared/pointcloud/voxel_cloud.hpp"
-#include "shared/concurrency/parallel_rows.hpp"
 
 namespace fleetloc {
 namespace {

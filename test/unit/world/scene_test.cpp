@@ -111,6 +111,35 @@ TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
   EXPECT_NE(missing(structures, summer), missing(structures, winter));
 }
 
+TEST_F(Campus, SnowLiesDeepBesideALaneThatIsCleared) {
+  constexpr float kLane_m = 1.0F;
+  Thing snow = scene_->ground;
+  cover_with_snow(snow, *scene_->route, 0.4F, 7);
+  const auto& before = scene_->ground.mesh.vertices;
+  const auto& after = snow.mesh.vertices;
+  ASSERT_EQ(after.size(), before.size());
+  int deep = 0;
+  int beside = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const float depth = after[i].z() - before[i].z();
+    const float distance = scene_->route->distance(before[i].head<2>(), 20.0F);
+    EXPECT_EQ(after[i].head<2>(), before[i].head<2>());
+    if (distance < kLane_m) {
+      EXPECT_EQ(depth, 0.0F);
+    } else {
+      EXPECT_GE(depth, 0.0F);
+      EXPECT_LT(depth, 0.8F);
+    }
+    if (distance > 3.0F) {
+      ++beside;
+      deep += depth > 0.3F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(deep, beside * 8 / 10);
+  const auto surveyed = session_of(*world_, *scene_, "summer");
+  EXPECT_TRUE(surveyed.fixed().has_surface_within(before[before.size() / 2], 1e-3F));
+}
+
 TEST_F(Campus, PeopleMoveWithTime) {
   const SessionScene winter = session_of(*world_, *scene_, "winter");
   const SceneView now = winter.at(10.0);
