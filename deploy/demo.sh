@@ -1,94 +1,304 @@
 #!/usr/bin/env bash
-# Localizes a recorded flight in its laser map: map, localizer and robot as separate processes over
-# DDS, then the errors of odometry alone and of the localized pose.
+# Two robots of a made-up world, or one of a recorded flight, localized in a laser map over DDS.
 set -euo pipefail
 
 usage() {
   cat <<'TEXT'
-usage: deploy/demo.sh DATASET [--out DIR] [--rate R] [--initial-pose "x y z qx qy qz qw"]
+usage: deploy/demo.sh [--out DIR] [--rate R]
+       deploy/demo.sh DATASET [--out DIR] [--rate R] [--initial-pose "x y z qx qy qz qw"]
+
+Without DATASET: makes a world, surveys it with a lidar in summer and makes the map, then drives two
+robots through it in autumn, each with its poor link to two localizers, all of them processes of
+their own, and writes DIR/report.html. World and map are kept for the next time.
 
 DATASET is a folder in the EuRoC/ASL layout with a laser map and ground truth:
   mav0/{cam0,cam1,imu0}/           images, IMU and their sensor.yaml
   mav0/pointcloud0/data.ply        the laser map (EuRoC's Vicon room sequences have one)
   mav0/state_groundtruth_estimate0/data.csv
---rate R          speed of the recording; 1 is real time (default)
+One localizer and one robot localize it, without an emulated link.
+
+--rate R          speed of the recordings; 1 is real time (default)
 --initial-pose P  pose of the body in the map at the first image. Without it: the ground truth
                   there, displaced by 0.3 m and 3 degrees of yaw
 --out DIR         default: out/demo
-Installs what is missing (see deploy/install-deps.sh), builds, and writes run folders to DIR.
+Installs what is missing (see deploy/install-deps.sh) and builds first. FLEETLOC_DOMAIN is the DDS
+domain (0).
 TEXT
 }
 
-fail() { echo "demo: $*" >&2; exit "${2:-1}"; }
+fail() {
+  end "${!name_of[@]}"  # so that theirs are not the last words
+  echo "demo: $*" >&2
+  exit 1
+}
+refuse() { echo "demo: $*" >&2; exit 2; }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-dataset= out=$root/out/demo rate=1 initial_pose=
+bin=$root/build/release/bin
+domain=${FLEETLOC_DOMAIN:-0}
+dataset='' out=$root/out/demo rate=1 initial_pose=''
 while [ $# -gt 0 ]; do
   case $1 in
-    -h|--help) usage; exit 0 ;;
-    --out|--rate|--initial-pose)
-      [ $# -ge 2 ] || { echo "demo: $1 needs a value" >&2; exit 2; }
+    -h | --help) usage; exit 0 ;;
+    --out | --rate | --initial-pose)
+      [ $# -ge 2 ] || refuse "$1 needs a value"
       case $1 in --out) out=$2 ;; --rate) rate=$2 ;; *) initial_pose=$2 ;; esac
       shift 2 ;;
-    -*) echo "demo: unknown option $1 (see --help)" >&2; exit 2 ;;
-    *) [ -z "$dataset" ] || { echo "demo: one dataset at a time" >&2; exit 2; }
+    -*) refuse "unknown option $1 (see --help)" ;;
+    '') refuse "DATASET is empty (see --help)" ;;
+    *) [ -z "$dataset" ] || refuse "one dataset at a time"
        dataset=$1; shift ;;
   esac
 done
-if [ -z "$dataset" ]; then
-  usage >&2
-  exit 2
+[[ $rate =~ ^[0-9]+(\.[0-9]+)?$ ]] || refuse "--rate: '$rate' is not a number"
+truth_in=mav0/state_groundtruth_estimate0/data.csv
+if [ -n "$dataset" ]; then
+  [ -d "$dataset/mav0" ] || refuse "$dataset/mav0: no such folder"
+  dataset=$(cd "$dataset" && pwd)
+  for file in mav0/pointcloud0/data.ply "$truth_in"; do
+    [ -f "$dataset/$file" ] || refuse "$dataset/$file: no such file"
+  done
+elif [ -n "$initial_pose" ]; then
+  refuse "--initial-pose is for a DATASET"
 fi
-[ -d "$dataset/mav0" ] || { echo "demo: $dataset/mav0: no such folder" >&2; exit 2; }
-dataset=$(cd "$dataset" && pwd)
-cloud=$dataset/mav0/pointcloud0/data.ply
-truth=$dataset/mav0/state_groundtruth_estimate0/data.csv
-[ -f "$cloud" ] || { echo "demo: $cloud: no such file" >&2; exit 2; }
-[ -f "$truth" ] || { echo "demo: $truth: no such file" >&2; exit 2; }
-mkdir -p "$out" && out=$(cd "$out" && pwd)
+mkdir -p "$out" 2>/dev/null || refuse "$out: cannot be made"
+out=$(cd "$out" && pwd)
+exec 9>"$out/.lock"
+flock -n 9 || refuse "$out: another demo is running there"
 
-sh "$root/deploy/install-deps.sh" || exit $?
-sh "$root/deploy/build.sh" release fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval
-bin=$root/build/release/bin
-
-children=()
+# However this script ends, so does what it has started: each child leads a process group.
+declare -A name_of=()
+start() {  # NAME COMMAND...
+  setsid setpriv --pdeathsig TERM "${@:2}" </dev/null 9>&- &
+  child=$!
+  name_of[$child]=$1
+}
+end() {  # CHILD...
+  local child
+  for child in "$@"; do kill -TERM "-$child" 2>/dev/null || kill -TERM "$child" 2>/dev/null || true; done
+  for child in "$@"; do wait "$child" 2>/dev/null || true; unset "name_of[$child]"; done
+}
+scratch=$(mktemp -d)
 cleanup() {
-  for child in "${children[@]}"; do kill -TERM "$child" 2>/dev/null || true; done
-  for child in "${children[@]}"; do wait "$child" 2>/dev/null || true; done
+  trap - EXIT INT TERM HUP
+  end "${!name_of[@]}"
+  rm -rf "$scratch"
 }
 trap cleanup EXIT
-trap 'exit 130' INT TERM
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 
-echo "== map"
-"$bin/fleetloc-map" build --cloud "$cloud" --out "$out/map.pcd"
+# Runs a command to its end, but so that signals are handled at once.
+run() {
+  local status=0 this
+  start "$(basename "$1")" "$@"
+  this=$child
+  wait "$this" || status=$?
+  unset "name_of[$this]"
+  return $status
+}
 
-if [ -z "$initial_pose" ]; then
-  first=$(sed -n 2p "$dataset/mav0/cam0/data.csv"); first=${first%%,*}
-  initial_pose=$("$bin/fleetloc-eval" --ground-truth "$truth" --pose-at-ns "$first" \
-    --displaced "0.2 0.2 0.1 3")
-fi
+# Wall and processor time of each stage.
+now() { date +%s.%N; }
+stages=()
+count_cpu() {  # of all children that have ended; times() would not know them in a subshell
+  times >"$scratch/times"
+  cpu=$(awk -F'[ms ]+' 'NR == 2 {printf "%.2f", 60 * $1 + $2 + 60 * $3 + $4}' "$scratch/times")
+}
+begin() {  # STAGE [MORE]
+  stage=$1 stage_begin=$(now)
+  count_cpu
+  stage_cpu=$cpu
+  echo "== $stage${2:+: $2}"
+}
+finish() {
+  local wall
+  wall=$(awk -v a="$(now)" -v b="$stage_begin" 'BEGIN {printf "%.1f", a - b}')
+  count_cpu
+  cpu=$(awk -v a="$cpu" -v b="$stage_cpu" 'BEGIN {printf "%.1f", a - b}')
+  echo "   $wall s, $cpu s of processor time"
+  stages+=("{\"name\": \"$stage\", \"wall_s\": $wall, \"cpu_s\": $cpu}")
+}
 
-echo "== localizer and robot, DDS domain ${FLEETLOC_DOMAIN:-0}, rate $rate"
-"$bin/fleetloc-cloud" --map "$out/map.pcd" --name localizer_1 --qos "$root/qos_profiles/lan.xml" \
-  --domain "${FLEETLOC_DOMAIN:-0}" --out "$out/localizer_1" > "$out/localizer_1.log" 2>&1 &
-localizer=$!
-children+=("$localizer")
-for _ in $(seq 200); do  # until the map is loaded
-  grep -q serving "$out/localizer_1.log" && break
-  kill -0 "$localizer" 2>/dev/null || break
-  sleep 0.1
-done
-grep serving "$out/localizer_1.log" || { cat "$out/localizer_1.log" >&2; fail "no localizer"; }
-"$bin/fleetloc-robot" --robot-id robot_1 --dataset "$dataset" --qos "$root/qos_profiles/lan.xml" \
-  --domain "${FLEETLOC_DOMAIN:-0}" --rate "$rate" --initial-pose "$initial_pose" \
-  --out "$out/robot_1" &
-robot=$!
-children+=("$robot")
-wait "$robot" || fail "the robot failed (exit code $?)"
-kill -0 "$localizer" 2>/dev/null || { cat "$out/localizer_1.log" >&2; fail "the localizer died"; }
-cleanup
-children=()
+start_pose() {  # DATASET TRUTH
+  local first
+  first=$(sed -n 2p "$1/mav0/cam0/data.csv")
+  "$bin/fleetloc-eval" --ground-truth "$2" --pose-at-ns "${first%%,*}" --displaced "0.2 0.2 0.1 3"
+}
 
-echo "== errors"
-"$bin/fleetloc-eval" --run "$out/robot_1" --ground-truth "$truth"
-echo "run folders: $out/robot_1, $out/localizer_1"
+# Starts localizers and waits until they serve.
+localizers=()
+start_localizers() {  # MAP QOS NAME...
+  local map=$1 qos=$2 name log
+  shift 2
+  for name in "$@"; do
+    rm -rf "${out:?}/$name"
+    start "$name" "$bin/fleetloc-cloud" --map "$map" --name "$name" --qos "$qos" \
+      --domain "$domain" --out "$out/$name" >"$out/$name.log" 2>&1
+    localizers+=("$child")
+  done
+  for child in "${localizers[@]}"; do
+    log=$out/${name_of[$child]}.log
+    until grep -q serving "$log"; do
+      kill -0 "$child" 2>/dev/null || fail "$(tail -n 1 "$log")"
+      sleep 0.1
+    done
+  done
+}
+
+# Waits for the robots, all of whom have to succeed before a localizer ends.
+robots=()
+wait_for_robots() {
+  local ended name status i
+  while [ ${#robots[@]} -gt 0 ]; do
+    status=0
+    wait -n -p ended "${robots[@]}" "${localizers[@]}" || status=$?
+    name=${name_of[$ended]}
+    unset "name_of[$ended]"
+    [[ " ${localizers[*]} " != *" $ended "* ]] || status="$status, too early"
+    [ "$status" = 0 ] || fail "$name ended with exit code $status$(last_words "$name")"
+    for i in "${!robots[@]}"; do
+      [ "${robots[$i]}" != "$ended" ] || unset "robots[$i]"
+    done
+  done
+}
+last_words() {  # NAME
+  [ ! -s "$out/$1.log" ] || echo ": $(tail -n 1 "$out/$1.log")"
+}
+
+build() {
+  sh "$root/deploy/install-deps.sh" || exit $?
+  begin build
+  run sh "$root/deploy/build.sh" release "$@" || fail "the build failed"
+  finish
+}
+
+recorded_flight() {
+  local truth=$dataset/$truth_in
+  build fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval
+  begin map
+  run "$bin/fleetloc-map" build --cloud "$dataset/mav0/pointcloud0/data.ply" --out "$out/map.pcd" ||
+    fail "no map"
+  finish
+  [ -n "$initial_pose" ] || initial_pose=$(start_pose "$dataset" "$truth")
+  begin run "localizer and robot, DDS domain $domain, rate $rate"
+  start_localizers "$out/map.pcd" "$root/qos_profiles/lan.xml" localizer_1
+  grep serving "$out/localizer_1.log"
+  start robot_1 "$bin/fleetloc-robot" --robot-id robot_1 --dataset "$dataset" \
+    --qos "$root/qos_profiles/lan.xml" --domain "$domain" --rate "$rate" \
+    --initial-pose "$initial_pose" --out "$out/robot_1"
+  robots=("$child")
+  wait_for_robots
+  end "${localizers[@]}"
+  finish
+  echo "== errors"
+  "$bin/fleetloc-eval" --run "$out/robot_1" --ground-truth "$truth"
+  echo "run folders: $out/robot_1, $out/localizer_1"
+}
+
+# Runs a command that makes RESULT, unless it is there, made of the same inputs by the same command.
+made() {  # RESULT INPUT... -- COMMAND...
+  local result=$1 inputs=() hash
+  shift
+  while [ "$1" != -- ]; do inputs+=("$1"); shift; done
+  shift
+  hash=$( { echo "$*"; sha256sum "$1" "${inputs[@]}"; } | sha256sum)
+  if [ -e "$result" ] && [ "$(cat "$result.inputs" 2>/dev/null)" = "$hash" ]; then
+    echo "   $(basename "$result"): unchanged, kept"
+    return
+  fi
+  rm -rf "$result" "$result.inputs"
+  run "$@" >"$result.log" || fail "$(basename "$1") did not make $result"
+  echo "$hash" >"$result.inputs"
+}
+
+simulated() {  # NAME INPUT... -- OPTION...
+  local name=$1 inputs=()
+  shift
+  while [ "$1" != -- ]; do inputs+=("$1"); shift; done
+  made "$world/$name" "$demo/sim.yaml" "$campus" "$demo/streets.yaml" "${inputs[@]}" -- \
+    "$bin/fleetloc-sim" --config "$demo/sim.yaml" --scene "$campus" "${@:2}" --out "$world/$name"
+}
+
+made_up_world() {
+  local demo=$root/deploy/worlds/demo campus=$root/deploy/worlds/campus.yaml world=$out/world
+  local lidar=() truths=() runs=() folders=() sessions=() name seed=11
+  local names=(robot_1 robot_2) localizer_names=(localizer_1 localizer_2)
+  build fleetloc-sim fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval fleetloc-monitor
+  rm -rf "$out/report.html" "$out/summary.json"
+  mkdir -p "$world"
+
+  begin map "a survey with lidar in summer, and the map made of it"
+  lidar=("$demo/streets.yaml" -- --route "$demo/streets.yaml" --no-images --lidar --no-merged-cloud)
+  simulated survey "${lidar[@]}"
+  made "$world/map.pcd" "$bin/fleetloc-sim" "$world/survey.inputs" -- \
+    "$bin/fleetloc-map" build --dataset "$world/survey" --out "$world/map.pcd"
+  finish
+
+  # The ground truth is set apart: the programs under test never see it.
+  begin drives "what the robots will see in autumn"
+  for name in "${names[@]}"; do
+    simulated "$name" "$demo/$name.yaml" -- --route "$demo/$name.yaml" \
+      --built-along "$demo/streets.yaml" --session autumn --seed $((seed++))
+    [ ! -f "$world/$name/$truth_in" ] || mv "$world/$name/$truth_in" "$world/$name.truth.csv"
+    truths+=("$world/$name.truth.csv")
+  done
+  finish
+
+  begin run "${#names[@]} robots and ${#localizer_names[@]} localizers, DDS domain $domain, rate $rate"
+  start_localizers "$world/map.pcd" "$root/qos_profiles/wifi.xml" "${localizer_names[@]}"
+  for name in "${names[@]}"; do
+    rm -rf "${out:?}/$name"
+    start "$name" "$bin/fleetloc-robot" --robot-id "$name" --dataset "$world/$name" \
+      --qos "$root/qos_profiles/wifi.xml" --link "$demo/link.yaml" --domain "$domain" \
+      --rate "$rate" --initial-pose "$(start_pose "$world/$name" "$world/$name.truth.csv")" \
+      --out "$out/$name" >"$out/$name.log" 2>&1
+    robots+=("$child")
+    runs+=("$out/$name")
+  done
+  for name in "${localizer_names[@]}"; do
+    folders+=("$out/$name")
+    sessions+=("$out/$name/sessions.json")
+  done
+  start monitor "$bin/fleetloc-monitor" --run "${runs[@]}" --ground-truth "${truths[@]}" \
+    --localizer "${folders[@]}"
+  monitor=$child
+  wait_for_robots
+  end "${localizers[@]}"
+  wait "$monitor" || fail "the monitor failed"
+  unset "name_of[$monitor]"
+  finish
+
+  begin report
+  run "$bin/fleetloc-eval" --run "${runs[@]}" --ground-truth "${truths[@]}" \
+    --report "$out/report.html" --map "$world/map.pcd" --sessions "${sessions[@]}" ||
+    fail "no report"
+  finish
+  write_summary >"$out/summary.json"
+  echo "report: $out/report.html"
+  echo "all files: $out/summary.json"
+}
+
+# Each argument as a string of JSON, with commas between them. Paths are relative to the summary.
+quoted() {
+  local text='' word
+  for word in "$@"; do text+=", \"${word#"$out/"}\""; done
+  echo "${text#, }"
+}
+
+# Uses what made_up_world() has found out.
+write_summary() {
+  local IFS=,
+  cat <<JSON
+{
+  "robots": [$(quoted "${runs[@]}")],
+  "ground_truth": [$(quoted "${truths[@]}")],
+  "sessions": [$(quoted "${sessions[@]}")],
+  "map": "world/map.pcd",
+  "report": "report.html",
+  "stages": [${stages[*]}]
+}
+JSON
+}
+
+if [ -n "$dataset" ]; then recorded_flight; else made_up_world; fi

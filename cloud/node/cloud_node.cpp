@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "cloud/node/status_log.hpp"
 #include "cloud/pool/sessions_report.hpp"
 
 namespace fleetloc {
@@ -65,13 +66,16 @@ void CloudNode::run(const std::stop_token& stop) {
   {
     WorkerPool workers(options_.workers);
     WorkerLoad load(options_.workers, steady_now());
+    StatusLog log(options_.out / "status.csv", steady_now());
     while (!stop.stop_requested()) {
       channel_.wait_for_message(kPatience);
       for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
       finish_jobs(workers, load);
       start_jobs(workers);
       const Timestamp now = steady_now();
-      for (auto& outgoing : pool_.outgoing(now, load.measure(now))) {
+      const double share = load.measure(now);
+      log.add(pool_, share, now);
+      for (auto& outgoing : pool_.outgoing(now, share)) {
         channel_.send(outgoing.partition, std::move(outgoing.message), now);
       }
       for (const RobotId& robot : pool_.take_departed()) channel_.release(robot);

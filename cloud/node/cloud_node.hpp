@@ -32,7 +32,7 @@ class CloudNode {
  public:
   CloudNode(const CloudNodeOptions& options, const LocalizerPool::Config& config);
 
-  /// Serves robots until a stop is requested, then writes sessions.json.
+  /// Serves robots until a stop is requested and writes status.csv meanwhile, sessions.json then.
   void run(const std::stop_token& stop);
 
  private:

@@ -32,6 +32,7 @@ using namespace fleetloc;
 struct Arguments {
   std::string scene;
   std::string route;
+  std::string built_along;
   std::string session;
   std::string cloud;
   std::string trajectory;
@@ -53,6 +54,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
                                arguments.route,
                                "way through it: YAML with waypoints, or poses (.tum, EuRoC's .csv) "
                                "that a smoothing spline follows");
+  app.add_option(
+         "--built-along",
+         arguments.built_along,
+         "way that the world is built around (that of --route, which otherwise must stay on "
+         "its streets): several robots in one world")
+      ->needs(scene);
   app.add_option("--session", arguments.session, "season of the scene (that of its survey)")
       ->needs(scene);
   app.add_option("--scene-seed", arguments.scene_seed, "what is built along the route (1)")
@@ -98,17 +105,36 @@ void add_options(CLI::App& app, Arguments& arguments) {
 }
 
 // Of the whole way, whatever part of it is simulated: sessions share the scene.
-SessionScene built_scene(const Arguments& arguments, const SimMotion& motion) {
+Scene built_scene(const Arguments& arguments,
+                  const SimMotion& motion,
+                  const SimConfig& config,
+                  const SceneConfig& scene) {
+  if (arguments.built_along.empty()) return build_scene(scene, motion.way_m, arguments.scene_seed);
+  const auto streets_m = way_along(arguments.built_along, config);
+  try {
+    expect_within(motion.way_m, streets_m, static_cast<double>(scene.clearance_m));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(arguments.route + ": " + error.what() + " (" +
+                                arguments.built_along + ")");
+  }
+  return build_scene(scene, streets_m, arguments.scene_seed);
+}
+
+SessionScene one_session(const Arguments& arguments,
+                         const SimMotion& motion,
+                         const SimConfig& config) {
   const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
   const std::string& name = arguments.session.empty() ? world.survey : arguments.session;
   const SessionConfig& session = session_named(world, name);
-  const Scene scene = build_scene(world.scene, motion.way_m, arguments.scene_seed);
+  const Scene scene = built_scene(arguments, motion, config, world.scene);
   return apply_session(scene, session, session_named(world, world.survey));
 }
 
-std::vector<SessionScene> all_sessions(const Arguments& arguments, const SimMotion& motion) {
+std::vector<SessionScene> all_sessions(const Arguments& arguments,
+                                       const SimMotion& motion,
+                                       const SimConfig& config) {
   const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
-  const Scene scene = build_scene(world.scene, motion.way_m, arguments.scene_seed);
+  const Scene scene = built_scene(arguments, motion, config, world.scene);
   std::vector<SessionScene> sessions;
   for (const SessionConfig& session : world.sessions) {
     sessions.push_back(apply_session(scene, session, session_named(world, world.survey)));
@@ -204,7 +230,7 @@ Program::Run prepared_sheet(const Arguments& arguments, const Prepared& prepared
   config.renderer.threads = arguments.sim.threads;
   return [config,
           prepared,
-          sessions = all_sessions(arguments, *prepared.motion),
+          sessions = all_sessions(arguments, *prepared.motion, config),
           survey = read_world_config(ConfigReader::from_file(arguments.scene)).survey,
           file = arguments.contact_sheet] {
     constexpr int kUnused = 100;  // quality of a JPEG
@@ -245,7 +271,7 @@ Program::Run prepared(const Arguments& arguments, const Program& program) {
   if (!arguments.contact_sheet.empty()) return prepared_sheet(arguments, result);
   result.scene = std::make_shared<const SessionScene>(
       replayed ? scene_of_cloud(arguments.cloud, program, result.config.surfels)
-               : built_scene(arguments, *result.motion));
+               : one_session(arguments, *result.motion, result.config));
   if (!arguments.compare_tracks) return [result] { return write_dataset(result); };
   return [result, front_end = read_feature_tracker_config(reader.section("tracking"))] {
     return print_comparison(result, front_end);

@@ -1,11 +1,14 @@
 #include "deploy/tools/sim_motion.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
 
 #include "shared/motion/vibration.hpp"
 #include "shared/trajectory/tum_file.hpp"
+#include "shared/world/route_field.hpp"
 
 namespace fleetloc {
 namespace {
@@ -67,6 +70,32 @@ SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config
           .start = start,
           .way_m = points_along(fit.motion),
           .fit = fit};
+}
+
+std::vector<Eigen::Vector3d> way_along(const std::filesystem::path& file, const SimConfig& config) {
+  return driven_motion({.file = file}, config).way_m;
+}
+
+void expect_within(std::span<const Eigen::Vector3d> way_m,
+                   std::span<const Eigen::Vector3d> streets_m,
+                   double clearance_m) {
+  constexpr double kBesideRobot = 0.5;  // [m]
+  constexpr double kOffGround = 0.5;    // a street's height is that of its nearest point [m]
+  const double reach_m = std::max(0.0, clearance_m - kBesideRobot);
+  const RouteField streets(streets_m);
+  for (const Eigen::Vector3d& p : way_m) {
+    const auto around = streets.near(p.head<2>().cast<float>(), static_cast<float>(reach_m));
+    const bool within = std::ranges::any_of(around, [&p](const Eigen::Vector3f& street) {
+      return std::abs(static_cast<double>(street.z()) - p.z()) <= kOffGround;
+    });
+    if (within) continue;
+    std::ostringstream text;
+    text.precision(4);
+    text << "leaves the streets at x " << p.x() << ", y " << p.y() << ", z " << p.z()
+         << " m: it must stay within " << reach_m << " m beside and " << kOffGround
+         << " m above or below them";
+    throw std::invalid_argument(text.str());
+  }
 }
 
 SimMotion replayed_motion(const std::filesystem::path& file, const SimConfig& config) {

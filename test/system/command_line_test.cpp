@@ -19,6 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 using Options = std::map<std::string, std::string>;
+using Words = std::vector<std::string>;
 
 constexpr int kCannotStart = 2;
 constexpr const char* kLan = FLEETLOC_SOURCE_DIR "/qos_profiles/lan.xml";
@@ -152,6 +153,7 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
   for (const char* program : {FLEETLOC_ROBOT,
                               FLEETLOC_CLOUD,
                               FLEETLOC_MAP,
+                              FLEETLOC_MONITOR,
                               FLEETLOC_REPLAY,
                               FLEETLOC_EVAL,
                               FLEETLOC_SIM}) {
@@ -167,6 +169,21 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
     EXPECT_EQ(config.exit_code, 0) << name;
     EXPECT_THAT(config.output, HasSubstr("tracking:"));
   }
+}
+
+TEST_F(CommandLine, IsCheckedByTheMonitor) {
+  expect_refused(FLEETLOC_MONITOR, Words{"--once"}, "--run");
+  expect_refused(FLEETLOC_MONITOR, Words{"--run", file("a"), "--no-such-option"}, "--no-such");
+  expect_refused(FLEETLOC_MONITOR,
+                 Words{"--run", file("a"), "--ground-truth", file("missing.tum")},
+                 file("missing.tum"));
+  const std::string truth = file("truth.tum");
+  expect_refused(FLEETLOC_MONITOR,
+                 Words{"--run", file("a"), "--ground-truth", truth, truth},
+                 "2 files for 1 runs");
+  const Outcome once = run(FLEETLOC_MONITOR, {"--run", file("a"), "--once"});
+  EXPECT_EQ(once.exit_code, 0) << once.errors;
+  EXPECT_THAT(once.output, AllOf(StartsWith("robot "), HasSubstr("\na ")));
 }
 
 TEST_F(CommandLine, IsCheckedByTheRobot) {

@@ -14,6 +14,7 @@ namespace {
 
 using ::testing::Ge;
 using ::testing::Gt;
+using ::testing::HasSubstr;
 using ::testing::Le;
 
 constexpr std::chrono::seconds kPatience{120};  // only a broken program takes that long
@@ -48,6 +49,10 @@ TEST_F(DdsFlight, IsLocalizedInTheLaserMapInRealTime) {
   const auto summary = parsed_json(run_folder_ / "summary.json");
   EXPECT_THAT(summary.at("uplink_wire_bytes").get<std::int64_t>(),
               Gt(summary.at("uplink_bytes").get<std::int64_t>()));
+  const Outcome view =
+      run(FLEETLOC_MONITOR, {"--run", run_folder_, "--localizer", folder_of(kLocalizer), "--once"});
+  EXPECT_THAT(view.output, HasSubstr("\nrobot_1  50.0 s  ended  "));
+  EXPECT_THAT(view.output, HasSubstr("\nlocalizer_1  1       "));  // robots
 }
 
 class DdsFlightOn : public DdsFlight, public testing::WithParamInterface<const char*> {};

@@ -135,6 +135,52 @@ TEST_F(Simulation, IsTheSameByteForByteWithAnyNumberOfThreads) {
   EXPECT_FALSE(contents(scratch_ / "one") == contents(scratch_ / "other"));
 }
 
+/// Another drive along the first metres of a way.
+void write_short_cut(const std::filesystem::path& file, const std::string& waypoints) {
+  std::ofstream(file) << "speed_m_s: 0.8\nrest_s: 1\ncorner_radius_m: 3\nloop: false\nlaps: 1\n"
+                      << "waypoints: " << waypoints << '\n';
+}
+
+TEST_F(Simulation, ShowsRobotsOfOneWorldTheSameStreets) {
+  write_short_cut(scratch_ / "short.yaml", "[[0, 0], [3, 0]]");
+  const auto first_image = [&](const std::string& out, Words words) {
+    words.insert(words.begin(), {"--scene", kWorld, "--config", file("small.yaml")});
+    words.insert(words.end(), {"--duration", "0.5", "--out", file(out)});
+    const Outcome outcome = run(FLEETLOC_SIM, words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return content_of(scratch_ / out / "mav0" / "cam0" / "data" / "1000000000000.png");
+  };
+  const std::string whole = first_image("whole", {"--route", file("route.yaml")});
+  const std::string same =
+      first_image("same", {"--route", file("short.yaml"), "--built-along", file("route.yaml")});
+  const std::string other = first_image("other", {"--route", file("short.yaml")});
+  EXPECT_FALSE(whole.empty());
+  EXPECT_TRUE(whole == same);
+  EXPECT_FALSE(whole == other);
+}
+
+TEST_F(Simulation, RefusesARouteThatLeavesTheStreets) {
+  write_short_cut(scratch_ / "beside.yaml", "[[0, 0], [3, 6]]");
+  write_short_cut(scratch_ / "above.yaml", "[[0, 0, 2], [3, 0, 2]]");
+  for (const std::string name : {"beside.yaml", "above.yaml"}) {
+    const Outcome outcome = run(FLEETLOC_SIM,
+                                {"--scene",
+                                 kWorld,
+                                 "--route",
+                                 file(name),
+                                 "--built-along",
+                                 file("route.yaml"),
+                                 "--out",
+                                 file("out")});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.errors,
+                AllOf(StartsWith("fleetloc-sim: " + file(name)),
+                      HasSubstr("leaves the streets at x "),
+                      HasSubstr(file("route.yaml"))));
+    EXPECT_EQ(std::ranges::count(outcome.errors, '\n'), 1) << outcome.errors;
+  }
+}
+
 TEST_F(Simulation, RendersACloudAlongARecordAndCopiesItsImu) {
   const Outcome outcome = run(FLEETLOC_SIM, flight("out", {"--imu", file("imu.csv")}));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;

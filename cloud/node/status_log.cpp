@@ -1,0 +1,28 @@
+#include "cloud/node/status_log.hpp"
+
+#include <stdexcept>
+
+namespace fleetloc {
+
+StatusLog::StatusLog(const std::filesystem::path& file, Timestamp start)
+    : stream_(file), start_(start) {
+  stream_ << "time_s,sessions,load,submaps,localized\n" << std::flush;
+  if (!stream_) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+void StatusLog::add(const LocalizerPool& pool, double load, Timestamp now) {
+  constexpr double kInterval_s = 1.0;
+  if (written_ && to_seconds(now - *written_) < kInterval_s) return;
+  written_ = now;
+  std::uint64_t submaps = 0;
+  std::uint64_t localized = 0;
+  for (const auto& [robot, report] : pool.reports()) {
+    submaps += report.submaps;
+    localized += report.localized;
+  }
+  stream_ << to_seconds(now - start_) << ',' << pool.sessions() << ',' << load << ',' << submaps
+          << ',' << localized << '\n'
+          << std::flush;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "cloud/pool/localizer_pool.hpp"
+
+namespace fleetloc {
+
+/// status.csv of a localizer: a line each second, for who watches it and for what is left of one
+/// that is killed. `time_s` since the start, `sessions` now, `load` 0..1, then counts since the
+/// start over all robots of which sessions.json tells.
+class StatusLog {
+ public:
+  /// Throws std::runtime_error that names the file.
+  StatusLog(const std::filesystem::path& file, Timestamp start);
+
+  /// Writes a line if one is due.
+  void add(const LocalizerPool& pool, double load, Timestamp now);
+
+ private:
+  std::ofstream stream_;
+  Timestamp start_;
+  std::optional<Timestamp> written_;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deploy/monitor/watched_run.hpp"
+
+namespace fleetloc {
+
+/// What is seen at one moment.
+struct FleetView {
+  std::vector<RobotView> robots;
+  std::vector<LocalizerView> localizers;
+};
+
+/// A line for each robot and each localizer, under headings; every line ends.
+std::string table(const FleetView& fleet);
+
+/// The same in one line, without its end.
+std::string line(const FleetView& fleet);
+
+}  // namespace fleetloc
