@@ -42,10 +42,20 @@ std::vector<Eigen::Vector3d> points_along(const SplineMotion& motion) {
   return way;
 }
 
-SplineMotion driven_route(const std::filesystem::path& file, const SimConfig& config) {
+/// A motion, and the way that a world is built around: that of the drive forwards.
+struct DrivenRoute {
+  SplineMotion motion;
+  std::vector<Eigen::Vector3d> way_m;
+};
+
+DrivenRoute driven_route(const std::filesystem::path& file, const SimConfig& config) {
   const WaypointRoute route = read_route(file);
+  WaypointRoute forwards = route;
+  forwards.reverse = false;
   try {
-    return drive(route, config.limits);
+    const SplineMotion motion = drive(forwards, config.limits);
+    return {.motion = route.reverse ? drive(route, config.limits) : motion,
+            .way_m = points_along(motion)};
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(file.string() + ": " + error.what());
   }
@@ -57,10 +67,10 @@ SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config
   const Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
   const auto extension = options.file.extension();
   if (extension == ".yaml" || extension == ".yml") {
-    const SplineMotion smooth = driven_route(options.file, config);
-    return {.motion = with_vibration(smooth, config.vibration, forward, options.seed),
+    const DrivenRoute route = driven_route(options.file, config);
+    return {.motion = with_vibration(route.motion, config.vibration, forward, options.seed),
             .start = Timestamp(from_seconds(config.start_s)),
-            .way_m = points_along(smooth)};
+            .way_m = route.way_m};
   }
   RecordFit fit = fitted(options.file, config.record);
   const SplineMotion smooth =

@@ -3,12 +3,12 @@
 # and over every #include by the test `layers`.
 set(FLEETLOC_LAYERS
     "shared/core idl"
-    "shared/geometry shared/concurrency shared/config"
+    "shared/geometry shared/concurrency shared/config shared/process"
     "shared/model shared/link"
     "shared/factors shared/wire shared/transport shared/trajectory shared/dataset shared/pointcloud"
     "shared/protocol shared/run_folder robot/tracking robot/inertial cloud/laser_map shared/simulation shared/motion shared/world"
-    "robot/vio robot/submap robot/fusion cloud/localizer cloud/mapping shared/sensors"
-    "robot/pipeline robot/cloud_client cloud/pool deploy/monitor deploy/report"
+    "robot/vio robot/submap robot/fusion cloud/localizer cloud/mapping shared/sensors deploy/report"
+    "robot/pipeline robot/cloud_client cloud/pool deploy/monitor deploy/experiment"
     "robot/node cloud/node deploy/tools")
 
 # Third-party headers that only one library may include.

@@ -8,6 +8,11 @@
 #include <unistd.h>
 
 namespace fleetloc {
+namespace {
+
+constexpr const char* kClearLine = "\r\x1b[K";
+
+}  // namespace
 
 ProgressLine::ProgressLine(std::string work)
     : work_(std::move(work)), terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -16,12 +21,17 @@ ProgressLine::~ProgressLine() {
   if (shown_) std::cerr << '\n';
 }
 
+void ProgressLine::clear() {
+  if (!shown_) return;
+  std::cerr << kClearLine << std::flush;
+  shown_ = false;
+}
+
 void ProgressLine::show(std::size_t done, std::size_t total) {
   constexpr std::chrono::milliseconds kInterval(100);
   if (!terminal_) return;
   const auto now = Clock::now();
   if (shown_ && done < total && now - last_ < kInterval) return;
-  constexpr const char* kClearLine = "\r\x1b[K";
   std::cerr << kClearLine << progress_text(work_, done, total, now - start_) << std::flush;
   shown_ = true;
   last_ = now;

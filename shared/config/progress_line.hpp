@@ -19,6 +19,8 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(std::size_t done, std::size_t total);
+  /// Makes way for other output.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -64,6 +64,7 @@ WaypointRoute read_route(ConfigReader reader) {
   route.corner_radius_m = reader.positive("corner_radius_m");
   route.loop = reader.get<bool>("loop");
   route.laps = reader.integer("laps", 1, 1000);
+  if (reader.has("reverse")) route.reverse = reader.get<bool>("reverse");
   reader.expect_fully_read();
   return route;
 }

@@ -15,8 +15,9 @@ VibrationConfig read_vibration_config(ConfigReader section);
 /// Its limits are those of read_motion_limits().
 RecordFitConfig read_record_fit_config(ConfigReader section, const MotionMagnitudes& limits);
 
-/// A route file (deploy/worlds/*.yaml): speed_m_s, rest_s, corner_radius_m, loop, laps and
-/// waypoints, a list of [x, y] or [x, y, z] of the body in map (z else 0). Throws ConfigError.
+/// A route file (deploy/worlds/*.yaml): speed_m_s, rest_s, corner_radius_m, loop, laps,
+/// reverse (may be left out) and waypoints, a list of [x, y] or [x, y, z] of the body in map (z
+/// else 0). Throws ConfigError.
 WaypointRoute read_route(const std::filesystem::path& file);
 WaypointRoute read_route(ConfigReader reader);
 

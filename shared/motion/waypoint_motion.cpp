@@ -105,6 +105,7 @@ std::vector<Eigen::Vector3d> way_of(const WaypointRoute& route) {
     way.insert(way.end(), route.waypoints_m.begin(), route.waypoints_m.end());
   }
   if (route.loop && !way.empty()) way.emplace_back(way.front());
+  if (route.reverse) std::ranges::reverse(way);
   return way;
 }
 

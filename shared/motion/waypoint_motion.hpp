@@ -15,8 +15,9 @@ struct WaypointRoute {
   double speed = 1.2;                        ///< where nothing hinders [m/s]
   double rest_s = 2.0;  ///< standing still at the start, for an odometry to start
   double corner_radius_m = 3.0;
-  bool loop = false;  ///< back to the first waypoint
-  int laps = 1;       ///< of a loop
+  bool loop = false;     ///< back to the first waypoint
+  int laps = 1;          ///< of a loop
+  bool reverse = false;  ///< the same way from its end to its beginning
 };
 
 /// All waypoints in the order of the drive, laps included.

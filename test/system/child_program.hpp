@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <sys/types.h>
+#include "shared/process/child_process.hpp"
 
 namespace fleetloc {
 
@@ -31,7 +31,7 @@ class ChildProgram {
  private:
   std::filesystem::path output_;
   std::filesystem::path errors_;
-  pid_t pid_ = -1;
+  ChildProcess process_;
 };
 
 /// Runs a program to its end.

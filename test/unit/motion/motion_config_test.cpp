@@ -1,5 +1,7 @@
 #include "shared/motion/motion_config.hpp"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 namespace fleetloc {
@@ -10,6 +12,10 @@ using ::testing::ThrowsMessage;
 
 constexpr const char* kRest =
     "speed_m_s: 1.2\nrest_s: 2\ncorner_radius_m: 3\nloop: false\nlaps: 1\n";
+
+std::string with_laps_of_a_loop(const std::string& waypoints) {
+  return "speed_m_s: 1.2\nrest_s: 2\ncorner_radius_m: 3\nloop: true\nlaps: 2\n" + waypoints;
+}
 
 WaypointRoute read(const std::string& text) {
   return read_route(ConfigReader::from_string(text, "route.yaml"));
@@ -26,6 +32,15 @@ TEST(RouteFile, HoldsWaypointsWithOrWithoutHeight) {
   EXPECT_EQ(route.waypoints_m[0], Eigen::Vector3d(0.0, 1.0, 0.0));
   EXPECT_EQ(route.waypoints_m[1], Eigen::Vector3d(2.0, 3.0, 0.5));
   EXPECT_EQ(route.speed, 1.2);
+}
+
+TEST(RouteFile, MayBeDrivenInTheOppositeDirection) {
+  const std::string text = with_laps_of_a_loop("waypoints: [[0, 1], [2, 3], [4, 0]]\n");
+  const auto forwards = way_of(read(text));
+  auto backwards = way_of(read(text + "reverse: true\n"));
+  EXPECT_NE(forwards, backwards);
+  std::ranges::reverse(backwards);
+  EXPECT_EQ(forwards, backwards);
 }
 
 TEST(RouteFile, IsRefusedWithTheNameOfWhatIsWrong) {

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "shared/config/config_reader.hpp"
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+/// A dataset that fleetloc-sim makes.
+struct SimulatedDataset {
+  std::filesystem::path scene;
+  std::filesystem::path route;
+  std::string session;
+  std::uint64_t seed = 1;
+  std::uint64_t scene_seed = 1;
+  double rest_s = 0.0;  ///< before recorded poses
+  double start_s = 0.0;
+  std::optional<double> duration_s;
+  bool tracks = true;   ///< feature tracks, else images
+  std::string config;   ///< YAML, what differs from the defaults
+  bool survey = false;  ///< a lidar, no cameras
+};
+
+/// A dataset that is there.
+struct RecordedDataset {
+  std::filesystem::path folder;
+  std::filesystem::path ground_truth;
+  bool tracks = false;
+};
+
+struct DatasetSpec {
+  std::string name;
+  std::variant<RecordedDataset, SimulatedDataset> source;
+  std::string map;
+
+  [[nodiscard]] bool plays_tracks() const {
+    return std::visit([](const auto& its) { return its.tracks; }, source);
+  }
+};
+
+/// A map that is there (.pcd with its .yaml), a point cloud to make one of, or surveys.
+struct MapSpec {
+  std::string name;
+  std::filesystem::path file;
+  std::filesystem::path cloud;
+  std::vector<SimulatedDataset> surveys;
+};
+
+struct ConfigurationSpec {
+  std::string name;
+  std::string yaml;  ///< all values
+  bool align_once = false;
+  bool odometry_only = false;
+};
+
+struct LinkSpec {
+  std::string name;
+  LinkConfig link;  ///< its seed is that of a run
+};
+
+enum class Mode { kReplay, kDds };
+
+/// How far the start pose that a robot is told lies from the truth; where to, a run's seed draws.
+struct StartError {
+  double position_m = 0.3;
+  double yaw_deg = 3.0;
+};
+
+/// Of runs over DDS.
+struct DdsOptions {
+  std::filesystem::path qos;
+  double rate = 1.0;
+  int first_domain = 1;  ///< runs at the same time have domains of their own, from here on
+};
+
+/// A matrix of runs: every dataset with every configuration, link and seed.
+struct Plan {
+  std::string title;
+  std::string description;
+  Mode mode = Mode::kReplay;
+  std::optional<DdsOptions> dds;
+  double start_s = 0.0;  ///< of the datasets to skip
+  std::optional<double> duration_s;
+  StartError start_error;
+  std::vector<DatasetSpec> datasets;
+  std::vector<MapSpec> maps;
+  std::vector<ConfigurationSpec> configurations;
+  std::vector<LinkSpec> links;
+  std::vector<std::uint64_t> seeds;
+};
+
+/// Throws what is wrong with the values of a configuration, which is complete.
+using ConfigurationCheck = std::function<void(const ConfigReader&)>;
+
+/// Reads a plan strictly. Files are relative to the plan's folder. Throws ConfigError, one line
+/// that names file, line and key, for whatever would keep a run from starting.
+Plan read_plan(const std::filesystem::path& file, const ConfigurationCheck& check);
+
+}  // namespace fleetloc

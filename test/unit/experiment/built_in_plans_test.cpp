@@ -1,0 +1,33 @@
+#include <filesystem>
+
+#include <gmock/gmock.h>
+
+#include "deploy/experiment/plan.hpp"
+#include "shared/motion/motion_config.hpp"
+
+namespace fleetloc {
+namespace {
+
+const std::filesystem::path kDeploy = std::filesystem::path(FLEETLOC_SOURCE_DIR) / "deploy";
+
+TEST(BuiltInPlans, CanAllBeRead) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kDeploy / "experiments")) {
+    SCOPED_TRACE(entry.path());
+    EXPECT_NO_THROW(read_plan(entry.path(), [](const ConfigReader&) {}));
+    ++count;
+  }
+  EXPECT_GE(count, 5U);
+}
+
+TEST(BuiltInPlans, DriveTheRingBothWays) {
+  const WaypointRoute ring = read_route(kDeploy / "worlds" / "ring.yaml");
+  WaypointRoute reversed = read_route(kDeploy / "worlds" / "ring-reversed.yaml");
+  EXPECT_FALSE(ring.reverse);
+  EXPECT_TRUE(reversed.reverse);
+  reversed.reverse = false;
+  EXPECT_EQ(way_of(ring), way_of(reversed));
+}
+
+}  // namespace
+}  // namespace fleetloc

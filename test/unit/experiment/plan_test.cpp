@@ -1,0 +1,129 @@
+#include "deploy/experiment/plan.hpp"
+
+#include <gmock/gmock.h>
+
+#include "test/unit/experiment/plan_files.hpp"
+
+namespace fleetloc {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class PlanFile : public testing::Test {
+ protected:
+  void SetUp() override { write_small_inputs(); }
+
+  static void expect_refused(const std::string& part,
+                             const std::string& other,
+                             const std::string& place,
+                             const std::string& message) {
+    EXPECT_THAT(
+        [&] { read_text(with(small_plan(), part, other)); },
+        ThrowsMessage<ConfigError>(AllOf(HasSubstr("plan.yaml:" + place), HasSubstr(message))));
+  }
+};
+
+TEST_F(PlanFile, HoldsTheAxesInItsOrder) {
+  const Plan plan = read_text(small_plan());
+  std::vector<std::string> names;
+  for (const auto& configuration : plan.configurations) names.push_back(configuration.name);
+  EXPECT_THAT(names, ElementsAre("default", "short", "alone"));
+  EXPECT_TRUE(plan.configurations[2].odometry_only);
+  EXPECT_THAT(plan.configurations[1].yaml, HasSubstr("window: 10"));
+  EXPECT_THAT(plan.seeds, ElementsAre(1, 2));
+  EXPECT_EQ(plan.maps[0].file, test_folder() / "room.pcd");
+}
+
+TEST_F(PlanFile, GivesALinkItsDirections) {
+  const LinkConfig link = read_text(small_plan()).links.at(1).link;
+  EXPECT_EQ(link.uplink.loss, 0.5);
+  EXPECT_EQ(link.downlink.loss, 0.5);
+  EXPECT_EQ(link.uplink.delay_s, 0.0);
+  EXPECT_EQ(link.downlink.delay_s, 2.0);
+  EXPECT_EQ(link.uplink.rate_bytes_per_s, 1000.0);
+  EXPECT_EQ(link.uplink.queue_bytes, 8000U);
+}
+
+TEST_F(PlanFile, FindsTheGroundTruthOfARecording) {
+  const auto dataset = std::get<RecordedDataset>(read_text(small_plan()).datasets.at(0).source);
+  EXPECT_EQ(dataset.ground_truth,
+            test_folder() / "flight/mav0/state_groundtruth_estimate0/data.csv");
+}
+
+TEST_F(PlanFile, IsRefusedForUnknownKeys) {
+  expect_refused("mode:", "colour: red\nmode:", "2: colour", "unknown key");
+  expect_refused("loss: 0.5", "lose: 0.5", "13: links.poor.lose", "unknown key");
+  expect_refused(
+      "window: 10", "windw: 10", "9: configurations.short.config.localizer.windw", "unknown key");
+}
+
+TEST_F(PlanFile, IsRefusedForWhatIsNotThere) {
+  expect_refused("file: room.pcd", "file: hall.pcd", "4: maps.room.file", "hall.pcd: no such file");
+  expect_refused("folder: flight", "folder: fly", "6: datasets.flight.folder", "no such folder");
+  expect_refused("map: room", "map: hall", "6: datasets.flight.map", "there is no map 'hall'");
+  expect_refused("folder: flight, ", "", "6: datasets.flight.folder", "missing");
+  expect_refused("folder: flight,",
+                 "folder: flight, tracks: true,",
+                 "6: datasets.flight.folder",
+                 "tracks0/data.csv: no such file");
+}
+
+TEST_F(PlanFile, IsRefusedForAnEmptyAxis) {
+  expect_refused("[1, 2]", "[]", "14: seeds", "is empty");
+  expect_refused(
+      "  default: {}\n  short: {config: {localizer: {window: 10}}}\n"
+      "  alone: {odometry_only: true}\n",
+      "  {}\n",
+      "7: configurations",
+      "is empty");
+}
+
+TEST_F(PlanFile, IsRefusedForNamesThatClash) {
+  expect_refused("short:", "default:", "9: configurations.default", "duplicate key");
+  expect_refused("[1, 2]", "[1, 1]", "14: seeds", "twice");
+  expect_refused("short:", "sh/rt:", "9: configurations.sh/rt", "a name is");
+}
+
+TEST_F(PlanFile, IsRefusedForValuesOutOfRange) {
+  expect_refused("loss: 0.5", "loss: 1.5", "13: links.poor.loss", "must be in 0..1");
+  expect_refused("replay", "reply", "2: mode", "must be replay or dds");
+  expect_refused("[1, 2]", "[1, two]", "14: seeds", "");
+}
+
+TEST_F(PlanFile, NeedsToKnowTheNetworkOfRunsOverDds) {
+  write("lan.xml", "profiles");
+  const std::string dds =
+      with(small_plan(), "mode: replay\n", "mode: dds\ndds: {qos: lan.xml, rate: 2}\n");
+  const Plan plan = read_text(dds);
+  ASSERT_TRUE(plan.dds);
+  EXPECT_EQ(plan.dds->qos, test_folder() / "lan.xml");
+  EXPECT_EQ(plan.dds->rate, 2.0);
+  expect_refused("mode: replay", "mode: dds", "1: dds", "missing");
+  EXPECT_THAT([&] { read_text(with(dds, "default: {}", "default: {align_once: true}")); },
+              ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
+}
+
+TEST_F(PlanFile, IsRefusedForWhatTheProgramsWouldRefuse) {
+  write("plan.yaml", small_plan());
+  const auto check = [](const ConfigReader& config) {
+    ConfigReader reader = config;
+    reader.section("localizer").integer("window", 20, 1000);
+  };
+  EXPECT_THAT([&] { read_plan(test_folder() / "plan.yaml", check); },
+              ThrowsMessage<ConfigError>(
+                  HasSubstr("plan.yaml:9: configurations.short.config.localizer.window")));
+}
+
+TEST_F(PlanFile, IsRefusedForASessionThatTheSceneDoesNotHave) {
+  const std::string scene = std::string(FLEETLOC_SOURCE_DIR) + "/deploy/worlds/campus.yaml";
+  expect_refused("folder: flight, ",
+                 "simulated: {scene: " + scene + ", route: " + scene + ", session: monsoon}, ",
+                 "6: datasets.flight.simulated.session",
+                 "'monsoon' is not in");
+}
+
+}  // namespace
+}  // namespace fleetloc
