@@ -100,6 +100,7 @@ Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
   std::vector<Pose> starts = starts_around(prior, config_.start_deviations);
   if (guess) starts.push_back(*guess);
   std::vector<Aligned> results;
+  results.reserve(starts.size());
   for (const Pose& start : starts) results.push_back(descend(some, prior, gates, start));
   return std::ranges::min_element(results, {}, &Aligned::score)->T_new_old;
 }

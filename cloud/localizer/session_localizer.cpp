@@ -177,9 +177,9 @@ void SessionLocalizer::align(const Hold& hold) {
   const RigidAlignment::Gates gates{diagnostics_.gate_m, config_.rounds.final_gate_m};
   const PoseBelief prior{problem_.pose(hold.keyframe), hold.belief.covariance};
   std::optional<Pose> guess;
-  if (start_.last_T_map_odom()) {
+  if (start_.last_place()) {
     const Pose& T_odom_body = database_.keyframe(hold.keyframe).item.T_odom_body;
-    guess = *start_.last_T_map_odom() * T_odom_body * inverse(prior.T_map_body);
+    guess = *start_.last_place() * T_odom_body * inverse(prior.T_map_body);
   }
   problem_.move(alignment_.align(problem_.landmarks(), prior, gates, guess));
   diagnostics_.aligned = true;

@@ -25,8 +25,8 @@ class StartConfirmation {
   /// @return whether this solution and those that follow count
   bool take(const Pose& T_map_body, const Pose& T_odom_body, double travelled_m, bool is_sure);
 
-  /// By the last solution, until the session is confirmed.
-  [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }
+  /// T_map_odom by the last solution, until the session is confirmed.
+  [[nodiscard]] const std::optional<Pose>& last_place() const { return last_T_map_odom_; }
 
  private:
   struct Place {

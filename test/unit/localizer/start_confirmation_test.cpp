@@ -21,7 +21,8 @@ TEST(StartConfirmation, IsImmediateWhereTheMapAgrees) {
 
 TEST(StartConfirmation, TakesAPathWhereTheMapHardlyAgrees) {
   StartConfirmation start(kConfig);
-  for (double x = 0.0; x < 15.0; x += 1.0) {
+  for (int metre = 0; metre < 15; ++metre) {
+    const double x = metre;
     EXPECT_FALSE(start.take(at(7.0 + x, 0.1), at(x, 0.0), x, false)) << x;
   }
   EXPECT_TRUE(start.take(at(22.0, 0.0), at(15.0, 0.0), 15.0, false));

@@ -55,8 +55,9 @@ TEST(AnswerCodec, RefusesWithAReason) {
   using enum Malformed;
   expect_answer_refused(kInvalidId, [](auto& sample) { sample.robot("?"); });
   expect_answer_refused(kInvalidId, [](auto& sample) { sample.localizer(""); });
-  expect_answer_refused(
-      kUnknownValue, [](auto& sample) { sample.status(static_cast<wire::LocalizationStatus>(10)); });
+  expect_answer_refused(kUnknownValue, [](auto& sample) {
+    sample.status(static_cast<wire::LocalizationStatus>(10));
+  });
   expect_answer_refused(
       kOutOfRange, [](auto& sample) { sample.stamp_ns(std::numeric_limits<std::int64_t>::min()); });
   expect_answer_refused(kOutOfRange, [](auto& sample) { sample.holding_time_ns(-1); });
