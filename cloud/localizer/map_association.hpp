@@ -26,6 +26,10 @@ struct Association {
   int covered = 0;                ///< of these, on mapped ground
   int level = 0;                  ///< of the matches, on level surfaces
   int hidden = 0;                 ///< of these, seen through a surface of the map
+
+  /// Of the landmarks that can tell the place: level ground fits wherever the robot is.
+  [[nodiscard]] int telling_matches() const { return static_cast<int>(matches.size()) - level; }
+  [[nodiscard]] int telling_landmarks() const { return eligible - level; }
 };
 
 /// Pairs landmarks with the nearest map point within `gate_m`, widened by the landmark's own

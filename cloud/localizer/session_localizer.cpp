@@ -253,17 +253,9 @@ LocalizationStatus SessionLocalizer::check_matches() const {
     return kNoMapCoverage;
   }
   const auto matches = static_cast<int>(association_.matches.size());
-  const bool agree = telling_matches() >= least.least_agreement * telling_landmarks();
+  const bool agree =
+      association_.telling_matches() >= least.least_agreement * association_.telling_landmarks();
   return matches >= least.least_matches && agree ? kLocalized : kTooFewMatches;
-}
-
-// Those that are not on the ground, which fits wherever the robot is.
-int SessionLocalizer::telling_matches() const {
-  return static_cast<int>(association_.matches.size()) - association_.level;
-}
-
-int SessionLocalizer::telling_landmarks() const {
-  return association_.eligible - association_.level;
 }
 
 // A wrong start often finds surfaces to match, but not without contradicting others.
@@ -272,8 +264,8 @@ bool SessionLocalizer::is_sure() const {
   const auto matched = static_cast<double>(association_.matches.size());
   const int against = association_.eligible - association_.covered + 2 * association_.hidden;
   return matched - against >= sure.sure_balance * association_.eligible &&
-         telling_matches() >= sure.sure_matches &&
-         telling_matches() >= sure.sure_agreement * telling_landmarks();
+         association_.telling_matches() >= sure.sure_matches &&
+         association_.telling_matches() >= sure.sure_agreement * association_.telling_landmarks();
 }
 
 void SessionLocalizer::measure_fit() {

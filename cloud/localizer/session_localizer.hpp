@@ -145,8 +145,6 @@ class SessionLocalizer {
   [[nodiscard]] double gate_for(const PoseBelief& belief) const;
   void measure_fit();
   [[nodiscard]] LocalizationStatus check_matches() const;
-  [[nodiscard]] int telling_matches() const;
-  [[nodiscard]] int telling_landmarks() const;
   [[nodiscard]] bool is_sure() const;
   LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
   [[nodiscard]] double reach() const;
