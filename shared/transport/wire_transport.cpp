@@ -12,6 +12,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
+#include "shared/transport/rtps_check.hpp"
 
 namespace fleetloc {
 
@@ -154,6 +155,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
                         std::uint32_t size,
                         const rtps::Locator_t& local,
                         const rtps::Locator_t& remote) {
+  if (!is_well_formed_rtps({buffer, size})) return link_->count_malformed();
   if (link_->is_own(buffer, size)) {
     receiver->OnDataReceived(buffer, size, local, remote);
     return;
@@ -209,6 +211,11 @@ void WireLink::count_received(std::uint32_t bytes) {
   const std::lock_guard lock(mutex_);
   ++traffic_.received_datagrams;
   traffic_.received_bytes += bytes + kIpUdpBytes;
+}
+
+void WireLink::count_malformed() {
+  const std::lock_guard lock(mutex_);
+  ++traffic_.malformed_datagrams;
 }
 
 bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {

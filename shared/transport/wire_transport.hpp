@@ -22,6 +22,7 @@ struct WireTraffic {
   std::uint64_t received_bytes = 0;  ///< behind it
   std::uint64_t sent_datagrams = 0;
   std::uint64_t received_datagrams = 0;
+  std::uint64_t malformed_datagrams = 0;  ///< not RTPS: dropped, and in none of the above
 };
 
 /// What one participant sends and receives, and the link that is emulated around it. Any thread.
@@ -43,6 +44,7 @@ class WireLink {
 
   void count_sent(const std::uint8_t* datagram, std::uint32_t bytes);
   void count_received(std::uint32_t bytes);
+  void count_malformed();
   /// True for a multicast that comes back to its sender; it never left the computer.
   [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
 

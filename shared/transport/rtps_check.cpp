@@ -1,0 +1,257 @@
+#include "shared/transport/rtps_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <optional>
+
+namespace fleetloc {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::size_t kHeader = 20;
+constexpr std::array<std::uint8_t, 4> kMagic{'R', 'T', 'P', 'S'};
+constexpr std::uint8_t kMajorVersion = 2;
+constexpr std::uint32_t kMostBitsOfASet = 256;
+constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has
+
+enum Submessage : std::uint8_t {
+  kPad = 0x01,
+  kAckNack = 0x06,
+  kHeartbeat = 0x07,
+  kGap = 0x08,
+  kInfoTimestamp = 0x09,
+  kInfoSource = 0x0c,
+  kInfoDestination = 0x0e,
+  kNackFrag = 0x12,
+  kHeartbeatFrag = 0x13,
+  kData = 0x15,
+  kDataFrag = 0x16,
+};
+
+enum Flag : std::uint8_t {
+  kLittleEndian = 0x01,
+  kInlineQos = 0x02,
+  kHasData = 0x04,
+  kHasKey = 0x08
+};
+
+/// Takes fields off the front; once something is missing, all that follows is, too.
+class Fields {
+ public:
+  Fields(Bytes bytes, bool is_little_endian) : bytes_(bytes), is_little_endian_(is_little_endian) {}
+
+  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
+  std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
+  std::int64_t sequence_number() {
+    const auto high = static_cast<std::int32_t>(u32());
+    return (std::int64_t{high} << 32U) + u32();
+  }
+  Bytes skip(std::size_t count) {
+    if (count > bytes_.size()) {
+      is_complete_ = false;
+      bytes_ = {};
+      return {};
+    }
+    const Bytes taken = bytes_.first(count);
+    bytes_ = bytes_.subspan(count);
+    return taken;
+  }
+  Bytes rest() { return skip(bytes_.size()); }
+  [[nodiscard]] bool is_complete() const { return is_complete_; }
+
+ private:
+  std::uint64_t number(std::size_t size) {
+    std::uint64_t value = 0;
+    const Bytes taken = skip(size);
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      value = (value << 8U) | taken[is_little_endian_ ? taken.size() - 1 - i : i];
+    }
+    return value;
+  }
+
+  Bytes bytes_;
+  bool is_little_endian_;
+  bool is_complete_ = true;
+};
+
+bool has_bitmap(Fields& fields) {
+  const std::uint32_t bits = fields.u32();
+  if (bits > kMostBitsOfASet) return false;
+  fields.skip(std::size_t{4} * ((bits + 31) / 32));
+  return fields.is_complete();
+}
+
+bool has_sequence_numbers(Fields& fields) {
+  return fields.sequence_number() >= 1 && has_bitmap(fields);
+}
+
+// Leaves what comes after the list.
+bool has_parameters(Fields& fields) {
+  constexpr std::uint16_t kSentinel = 1;
+  while (fields.is_complete()) {
+    const std::uint16_t id = fields.u16();
+    const std::uint16_t length = fields.u16();
+    if (id == kSentinel) return fields.is_complete();
+    if (length % 4 != 0) return false;
+    fields.skip(length);
+  }
+  return false;
+}
+
+// Discovery's own topics carry parameter lists; the vendor's and liveliness do not.
+bool is_parameter_list(std::uint32_t writer) {
+  constexpr std::array<std::uint32_t, 4> kDiscovery{0x0100c2, 0x0003c2, 0x0004c2, 0x0002c2};
+  return std::ranges::find(kDiscovery, writer) != kDiscovery.end();
+}
+
+bool is_payload(Bytes payload, std::uint32_t writer) {
+  if (!is_parameter_list(writer)) return true;
+  constexpr std::uint8_t kBigEndianList = 2;
+  constexpr std::uint8_t kLittleEndianList = 3;
+  if (payload.size() < 4 || payload[0] != 0) return false;
+  if (payload[1] != kBigEndianList && payload[1] != kLittleEndianList) return false;
+  Fields list(payload.subspan(4), payload[1] == kLittleEndianList);
+  return has_parameters(list);
+}
+
+// What comes before inline QoS and payload, behind the fields that are common to DATA and
+// DATA_FRAG, is `own` bytes long.
+struct SampleHead {
+  std::uint32_t writer = 0;
+  std::int64_t number = 0;
+  Bytes own;
+};
+std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
+  constexpr std::size_t kCommon = 16;  // reader, writer, sequence number: counted by the offset
+  fields.u16();                        // extra flags
+  const std::uint16_t offset = fields.u16();
+  if (offset < kCommon + own) return std::nullopt;
+  fields.u32();  // reader
+  SampleHead head;
+  const Bytes writer = fields.skip(4);  // big endian always
+  for (const std::uint8_t byte : writer) head.writer = (head.writer << 8U) | byte;
+  head.number = fields.sequence_number();
+  head.own = fields.skip(own);
+  fields.skip(offset - kCommon - own);
+  if (!fields.is_complete() || head.number < 1) return std::nullopt;
+  return head;
+}
+
+bool is_data(Fields fields, std::uint8_t flags) {
+  const auto head = sample_head(fields, 0);
+  if (!head) return false;
+  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  if ((flags & kHasData) != 0 && (flags & kHasKey) != 0) return false;
+  return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer);
+}
+
+bool is_data_frag(Fields fields, std::uint8_t flags) {
+  constexpr std::size_t kFragmentFields = 12;
+  const auto head = sample_head(fields, kFragmentFields);
+  if (!head) return false;
+  Fields own(head->own, (flags & kLittleEndian) != 0);
+  const std::uint32_t first = own.u32();
+  const std::uint32_t count = own.u16();
+  const std::uint32_t size = own.u16();
+  const std::uint32_t sample = own.u32();
+  if (first == 0 || count == 0 || size == 0 || sample > kLargestSample) return false;
+  const std::uint32_t fragments = (sample + size - 1) / size;
+  if (first > fragments || count > fragments - first + 1) return false;
+  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  const std::size_t begin = std::size_t{first - 1} * size;
+  const std::size_t end = std::min<std::size_t>(begin + std::size_t{count} * size, sample);
+  return fields.rest().size() >= end - begin;
+}
+
+bool is_heartbeat(Fields fields) {
+  fields.skip(8);  // reader, writer
+  const std::int64_t first = fields.sequence_number();
+  const std::int64_t last = fields.sequence_number();
+  fields.u32();  // count
+  return fields.is_complete() && first >= 1 && last >= first - 1;
+}
+
+bool is_ack_nack(Fields fields) {
+  fields.skip(8);
+  const bool has_set = has_sequence_numbers(fields);
+  fields.u32();
+  return has_set && fields.is_complete();
+}
+
+bool is_gap(Fields fields) {
+  fields.skip(8);
+  return fields.sequence_number() >= 1 && has_sequence_numbers(fields);
+}
+
+bool is_nack_frag(Fields fields) {
+  fields.skip(8);
+  const std::int64_t number = fields.sequence_number();
+  const std::uint32_t base = fields.u32();
+  const bool has_set = has_bitmap(fields);
+  fields.u32();
+  return number >= 1 && base >= 1 && has_set && fields.is_complete();
+}
+
+bool is_heartbeat_frag(Fields fields) {
+  fields.skip(8);
+  const std::int64_t number = fields.sequence_number();
+  const std::uint32_t last = fields.u32();
+  fields.u32();
+  return number >= 1 && last >= 1 && fields.is_complete();
+}
+
+bool is_submessage(std::uint8_t id, std::uint8_t flags, Bytes body) {
+  const Fields fields(body, (flags & kLittleEndian) != 0);
+  switch (id) {
+    case kPad:
+      return true;
+    case kAckNack:
+      return is_ack_nack(fields);
+    case kHeartbeat:
+      return is_heartbeat(fields);
+    case kGap:
+      return is_gap(fields);
+    case kInfoTimestamp:
+      return (flags & kInlineQos) != 0 || body.size() >= 8;  // 2: no stamp
+    case kInfoSource:
+      return body.size() >= kHeader;
+    case kInfoDestination:
+      return body.size() >= 12;
+    case kNackFrag:
+      return is_nack_frag(fields);
+    case kHeartbeatFrag:
+      return is_heartbeat_frag(fields);
+    case kData:
+      return is_data(fields, flags);
+    case kDataFrag:
+      return is_data_frag(fields, flags);
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+bool is_well_formed_rtps(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < kHeader || !std::ranges::equal(datagram.first(4), kMagic)) return false;
+  if (datagram[4] != kMajorVersion) return false;
+  Bytes rest = datagram.subspan(kHeader);
+  while (!rest.empty()) {
+    if (rest.size() < 4) return false;
+    const std::uint8_t id = rest[0];
+    const std::uint8_t flags = rest[1];
+    Fields length_field(rest.subspan(2, 2), (flags & kLittleEndian) != 0);
+    std::size_t length = length_field.u16();
+    rest = rest.subspan(4);
+    // The last one may be longer than its length can say.
+    if (length == 0 && id != kPad && id != kInfoTimestamp) length = rest.size();
+    if (length > rest.size()) return false;
+    if (!is_submessage(id, flags, rest.first(length))) return false;
+    rest = rest.subspan(length);
+  }
+  return true;
+}
+
+}  // namespace fleetloc

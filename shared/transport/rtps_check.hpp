@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace fleetloc {
+
+/// Whether a datagram keeps to the grammar of RTPS (OMG, DDS Interoperability Wire Protocol 2.2,
+/// chapter 9.4): header, submessages within their lengths, sets, inline QoS and the parameter lists
+/// of discovery. Fast DDS trusts what it is sent in places, and one malformed datagram would end
+/// the program; what is false here must not reach it. Submessages of vendors are refused, too: the
+/// library asserts that its own (statistics) are the last ones.
+bool is_well_formed_rtps(std::span<const std::uint8_t> datagram);
+
+}  // namespace fleetloc
