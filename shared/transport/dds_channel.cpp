@@ -7,6 +7,7 @@
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 
 #include "shared/core/ids.hpp"
+#include "shared/transport/peer_lookup.hpp"
 #include "shared/transport/renewal_policy.hpp"
 
 namespace fleetloc {
@@ -30,13 +31,12 @@ void check(const std::string& partition) {
 DdsChannel::DdsChannel(const Config& config)
     : config_(config),
       wire_(std::make_shared<WireLink>(config.role, config.link)),
-      connection_(connect(std::nullopt)),
+      connection_(connect({})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
-std::unique_ptr<DdsConnection> DdsChannel::connect(
-    const std::optional<ParticipantIdentity>& identity) {
+std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantStart& start) {
   return std::make_unique<DdsConnection>(
-      config_, wire_, identity, [this](std::optional<Message> message) {
+      config_, wire_, start, [this](std::optional<Message> message) {
         deliver(std::move(message));
       });
 }
@@ -133,31 +133,37 @@ void DdsChannel::deliver(std::optional<Message> message) {
 
 // Only this thread replaces the connection.
 void DdsChannel::watch(const std::stop_token& stop) {
-  const std::vector<std::string> whitelist = connection_->participant().whitelist();
-  ParticipantIdentity identity = connection_->participant().identity();
-  RenewalPolicy policy(connection_->participant().lease());
-  policy.made(connection_->participant().made_on(), RenewalPolicy::Clock::now());
+  using Clock = RenewalPolicy::Clock;
+  const Participant& first = connection_->participant();
+  const std::vector<std::string> whitelist = first.whitelist();
+  ParticipantStart start{.identity = first.identity(), .peers = first.peers()};
+  RenewalPolicy policy(first.lease());
+  policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
+  PeerLookup lookup(named_peers(config_.participant_profile));
   bool was_cut_off = false;
   while (!stop.stop_requested()) {
     const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
-    policy.lost(lost, RenewalPolicy::Clock::now());
-    policy.observe(interface_addresses(whitelist),
-                   wire_->traffic().received_datagrams,
-                   RenewalPolicy::Clock::now());
+    policy.lost(lost, Clock::now());
+    policy.observe(
+        interface_addresses(whitelist), wire_->traffic().received_datagrams, Clock::now());
+    if (const auto found = lookup.take()) policy.found(*found, Clock::now());
+    if (policy.wants_lookup(Clock::now())) lookup.start();
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
     was_cut_off = policy.is_cut_off();
-    const auto reason = policy.due(RenewalPolicy::Clock::now());
+    const auto reason = policy.due(Clock::now());
     if (!reason || stop.stop_requested()) continue;
-    if (renew(*reason, identity)) {
-      policy.made(connection_->participant().made_on(), RenewalPolicy::Clock::now());
+    start.peers = policy.peers();
+    if (renew(*reason, start)) {
+      const Participant& made = connection_->participant();
+      policy.made({.addresses = made.made_on(), .peers = made.peers()}, Clock::now());
     } else {
-      policy.failed(RenewalPolicy::Clock::now());
+      policy.failed(Clock::now());
     }
   }
 }
 
 // The old one goes first: the new one takes its ports.
-bool DdsChannel::renew(const std::string& reason, ParticipantIdentity& identity) {
+bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
   std::unique_ptr<DdsConnection> old;
   std::set<Destination> destinations;
   {
@@ -166,14 +172,14 @@ bool DdsChannel::renew(const std::string& reason, ParticipantIdentity& identity)
     destinations = destinations_;
   }
   old.reset();
-  identity = successor(identity);
+  start.identity = successor(*start.identity);
   std::unique_ptr<DdsConnection> fresh;
   try {
     try {
-      fresh = connect(identity);
+      fresh = connect(start);
     } catch (const TransportError&) {  // perhaps because of the identity
-      fresh = connect(std::nullopt);
-      identity = fresh->participant().identity();
+      fresh = connect({.identity = std::nullopt, .peers = start.peers});
+      start.identity = fresh->participant().identity();
     }
     for (const Destination& destination : destinations) fresh->writer(destination);
   } catch (const TransportError& error) {

@@ -68,10 +68,10 @@ class DdsChannel final : public Channel {
   std::vector<std::string> take_events();
 
  private:
-  std::unique_ptr<DdsConnection> connect(const std::optional<ParticipantIdentity>& identity);
+  std::unique_ptr<DdsConnection> connect(const ParticipantStart& start);
   void deliver(std::optional<Message> message);
   void watch(const std::stop_token& stop);
-  bool renew(const std::string& reason, ParticipantIdentity& identity);
+  bool renew(const std::string& reason, ParticipantStart& start);
   void note(std::string event);
 
   Config config_;

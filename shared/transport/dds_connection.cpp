@@ -24,9 +24,9 @@ std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
 
 DdsConnection::DdsConnection(const DdsEnd& end,
                              const std::shared_ptr<WireLink>& wire,
-                             const std::optional<ParticipantIdentity>& identity,
+                             const ParticipantStart& start,
                              Deliver deliver)
-    : participant_(end.domain, end.participant_profile, wire, identity),
+    : participant_(end.domain, end.participant_profile, wire, start),
       subscriptions_(subscribe(end)),
       deliver_(std::move(deliver)),
       thread_(readers_of(subscriptions_),

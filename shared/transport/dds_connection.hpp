@@ -37,10 +37,9 @@ class DdsConnection {
   using Deliver = std::function<void(std::optional<Message>)>;
 
   /// A TransportError says what is wrong.
-  /// @param identity  none: a new one
   DdsConnection(const DdsEnd& end,
                 const std::shared_ptr<WireLink>& wire,
-                const std::optional<ParticipantIdentity>& identity,
+                const ParticipantStart& start,
                 Deliver deliver);
 
   /// Is created when it is first asked for.

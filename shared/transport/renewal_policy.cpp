@@ -13,10 +13,22 @@ constexpr milliseconds kSettling{100};
 // Between attempts, while addresses come and go.
 constexpr seconds kLeastInterval{1};
 constexpr int kMostDoublings = 5;
+// Everyone who is there is heard more often: each second a localizer tells of itself.
+constexpr seconds kSilence{2};
+constexpr seconds kSilentLookupInterval{1};
+constexpr seconds kLookupInterval{10};
 
 std::string words(const InterfaceAddresses& addresses) {
   std::string text;
   for (const InterfaceAddress& one : addresses) text += (text.empty() ? "" : ", ") + one.address;
+  return text;
+}
+
+std::string words(const FoundPeers& peers) {
+  std::string text;
+  for (const auto& [peer, address] : peers) {
+    text += (text.empty() ? "" : ", ") + peer.host + " at " + address;
+  }
   return text;
 }
 
@@ -26,10 +38,12 @@ RenewalPolicy::Clock::duration doubled(RenewalPolicy::Clock::duration once, int 
 
 }  // namespace
 
-void RenewalPolicy::made(const InterfaceAddresses& addresses, Time now) {
-  made_on_ = addresses;
-  addresses_ = addresses;
+void RenewalPolicy::made(const Basis& basis, Time now) {
+  basis_ = basis;
+  addresses_ = basis.addresses;
+  peers_ = basis.peers;
   changed_ = false;
+  peers_changed_ = false;
   tried_at_ = now;
   failures_ = 0;
   if (heard_at_ && now - *heard_at_ > lease_) ++silent_renewals_;
@@ -43,7 +57,7 @@ void RenewalPolicy::failed(Time now) {
 void RenewalPolicy::observe(const InterfaceAddresses& addresses, std::uint64_t heard, Time now) {
   if (addresses != addresses_) changed_at_ = now;
   addresses_ = addresses;
-  changed_ = changed_ || addresses != made_on_;
+  changed_ = changed_ || addresses != basis_.addresses;
   if (heard == heard_) return;
   heard_ = heard;
   heard_at_ = now;
@@ -52,10 +66,26 @@ void RenewalPolicy::observe(const InterfaceAddresses& addresses, std::uint64_t h
 
 void RenewalPolicy::lost(const InterfaceAddresses& addresses, Time now) {
   for (const InterfaceAddress& one : addresses) {
-    if (!made_on_.contains(one)) continue;
+    if (!basis_.addresses.contains(one)) continue;
     changed_ = true;
     changed_at_ = now;
   }
+}
+
+// A peer that is not found now is not one that has moved.
+void RenewalPolicy::found(const FoundPeers& peers, Time now) {
+  if (std::ranges::includes(basis_.peers, peers)) return;
+  peers_ = peers;
+  peers_changed_ = true;
+  changed_at_ = now;
+}
+
+bool RenewalPolicy::wants_lookup(Time now) {
+  const bool is_silent = !heard_at_ || now - *heard_at_ > kSilence;
+  const auto interval = is_silent ? kSilentLookupInterval : kLookupInterval;
+  if (looked_up_at_ && now - *looked_up_at_ < interval) return false;
+  looked_up_at_ = now;
+  return true;
 }
 
 std::optional<std::string> RenewalPolicy::due(Time now) const {
@@ -65,6 +95,7 @@ std::optional<std::string> RenewalPolicy::due(Time now) const {
   if (changed_ && now - changed_at_ >= kSettling) {
     return "the network has changed, addresses are now " + words(addresses_);
   }
+  if (peers_changed_) return "peers have moved, they are now " + words(peers_);
   if (heard_at_ && now - std::max(*heard_at_, tried_at_) > doubled(lease_, silent_renewals_)) {
     return "nothing has been heard for " +
            std::to_string(std::chrono::duration_cast<seconds>(now - *heard_at_).count()) + " s";

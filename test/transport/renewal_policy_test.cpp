@@ -17,7 +17,7 @@ const InterfaceAddresses kHomeAnew{{.interface_index = 3, .address = "10.0.0.1"}
 /// A participant that is made whenever that is due, unless it `fails`.
 class RenewalPolicyTest : public testing::Test {
  protected:
-  RenewalPolicyTest() { policy_.made(kHome, now_); }
+  RenewalPolicyTest() { policy_.made({.addresses = kHome, .peers = {}}, now_); }
 
   /// Looks every 50 ms, as long as `duration`. How often a participant was made.
   int watch(std::chrono::milliseconds duration, const InterfaceAddresses& addresses) {
@@ -32,7 +32,7 @@ class RenewalPolicyTest : public testing::Test {
       if (fails_) {
         policy_.failed(now_);
       } else {
-        policy_.made(addresses, now_);
+        policy_.made({.addresses = addresses, .peers = policy_.peers()}, now_);
       }
     }
     return renewals;
@@ -111,6 +111,37 @@ TEST_F(RenewalPolicyTest, MakesOneASecondAtMostWhileAddressesComeAndGo) {
   }
   EXPECT_GT(renewals, 20);
   EXPECT_LE(renewals, 41);  // in 40 s
+}
+
+FoundPeers server_at(const std::string& address) {
+  return {
+      {.peer = {.host = "discovery", .port = 11811, .server_prefix = "44"}, .address = address}};
+}
+
+TEST_F(RenewalPolicyTest, MakesOneWhenANamedPeerIsElsewhereButNotWhenItIsNotFound) {
+  policy_.found(server_at("10.0.0.9"), now_);
+  EXPECT_EQ(watch(seconds(5), kHome), 1);
+  EXPECT_THAT(reason_, HasSubstr("discovery at 10.0.0.9"));
+  policy_.found({}, now_);
+  policy_.found(server_at("10.0.0.9"), now_);
+  EXPECT_EQ(watch(seconds(5), kHome), 0);
+  policy_.found(server_at("10.0.0.8"), now_);
+  EXPECT_EQ(watch(seconds(5), kHome), 1);
+}
+
+TEST_F(RenewalPolicyTest, LooksPeersUpMoreOftenWhileNothingIsHeard) {
+  const auto lookups = [&](int count) {
+    int due = 0;
+    for (int i = 0; i < count; ++i) {
+      watch(milliseconds(50), kHome);
+      due += policy_.wants_lookup(now_) ? 1 : 0;
+    }
+    return due;
+  };
+  hears_ = true;
+  EXPECT_LE(lookups(20 * 60), 7);
+  hears_ = false;
+  EXPECT_GE(lookups(20 * 60), 55);
 }
 
 TEST_F(RenewalPolicyTest, MakesOneAfterALeaseOfSilenceAndThenMoreAndMoreSeldom) {
