@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 namespace fleetloc {
@@ -14,6 +15,9 @@ constexpr std::size_t kHeader = 20;
 constexpr std::array<std::uint8_t, 4> kMagic{'R', 'T', 'P', 'S'};
 constexpr std::uint8_t kMajorVersion = 2;
 constexpr std::uint32_t kMostBitsOfASet = 256;
+constexpr std::int64_t kMostNumbers = 1 << 20;  // of samples, said to be gone or to be there
+constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max();
+constexpr std::size_t kStatisticsBytes = 56;
 constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has
 
 enum Submessage : std::uint8_t {
@@ -28,6 +32,7 @@ enum Submessage : std::uint8_t {
   kHeartbeatFrag = 0x13,
   kData = 0x15,
   kDataFrag = 0x16,
+  kStatistics = 0x80,  // of Fast DDS, behind every message
 };
 
 enum Flag : std::uint8_t {
@@ -83,8 +88,8 @@ bool has_bitmap(Fields& fields) {
   return fields.is_complete();
 }
 
-bool has_sequence_numbers(Fields& fields) {
-  return fields.sequence_number() >= 1 && has_bitmap(fields);
+bool has_sequence_numbers(Fields& fields, std::int64_t least) {
+  return fields.sequence_number() >= least && has_bitmap(fields);
 }
 
 // Leaves what comes after the list.
@@ -165,24 +170,31 @@ bool is_data_frag(Fields fields, std::uint8_t flags) {
   return fields.rest().size() >= end - begin;
 }
 
+bool is_ack_nack(Fields fields) {
+  fields.skip(8);
+  const bool has_set = has_sequence_numbers(fields, 0);  // 0: of a writer that is not known yet
+  fields.u32();
+  return has_set && fields.is_complete();
+}
+
+// The library walks through all numbers of a gap or a heartbeat.
+bool is_range(std::int64_t first, std::int64_t end) {
+  return first >= 1 && end >= first && end - first <= kMostNumbers;
+}
+
 bool is_heartbeat(Fields fields) {
   fields.skip(8);  // reader, writer
   const std::int64_t first = fields.sequence_number();
   const std::int64_t last = fields.sequence_number();
   fields.u32();  // count
-  return fields.is_complete() && first >= 1 && last >= first - 1;
-}
-
-bool is_ack_nack(Fields fields) {
-  fields.skip(8);
-  const bool has_set = has_sequence_numbers(fields);
-  fields.u32();
-  return has_set && fields.is_complete();
+  return fields.is_complete() && last < kFarthest && is_range(first, last + 1);
 }
 
 bool is_gap(Fields fields) {
   fields.skip(8);
-  return fields.sequence_number() >= 1 && has_sequence_numbers(fields);
+  const std::int64_t first = fields.sequence_number();
+  const std::int64_t base = fields.sequence_number();
+  return is_range(first, base) && has_bitmap(fields);
 }
 
 bool is_nack_frag(Fields fields) {
@@ -200,6 +212,10 @@ bool is_heartbeat_frag(Fields fields) {
   const std::uint32_t last = fields.u32();
   fields.u32();
   return number >= 1 && last >= 1 && fields.is_complete();
+}
+
+bool is_statistics(std::uint8_t flags, std::size_t length) {
+  return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
 }
 
 bool is_submessage(std::uint8_t id, std::uint8_t flags, Bytes body) {
@@ -248,6 +264,7 @@ bool is_well_formed_rtps(std::span<const std::uint8_t> datagram) {
     // The last one may be longer than its length can say.
     if (length == 0 && id != kPad && id != kInfoTimestamp) length = rest.size();
     if (length > rest.size()) return false;
+    if (id == kStatistics) return is_statistics(flags, length) && length == rest.size();
     if (!is_submessage(id, flags, rest.first(length))) return false;
     rest = rest.subspan(length);
   }

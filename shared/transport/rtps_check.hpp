@@ -8,8 +8,9 @@ namespace fleetloc {
 /// Whether a datagram keeps to the grammar of RTPS (OMG, DDS Interoperability Wire Protocol 2.2,
 /// chapter 9.4): header, submessages within their lengths, sets, inline QoS and the parameter lists
 /// of discovery. Fast DDS trusts what it is sent in places, and one malformed datagram would end
-/// the program; what is false here must not reach it. Submessages of vendors are refused, too: the
-/// library asserts that its own (statistics) are the last ones.
+/// the program; what is false here must not reach it. Of vendors' submessages only the one that
+/// Fast DDS puts behind each of its messages (statistics) is taken; the library asserts its size
+/// and place.
 bool is_well_formed_rtps(std::span<const std::uint8_t> datagram);
 
 }  // namespace fleetloc

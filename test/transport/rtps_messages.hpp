@@ -1,0 +1,163 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "shared/link/channel.hpp"
+
+namespace fleetloc {
+
+/// RTPS messages, little endian, as nobody but a test builds them.
+using GuidPrefix = std::array<std::uint8_t, 12>;
+
+class ByteWriter {
+ public:
+  ByteWriter& number(std::uint64_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+    return *this;
+  }
+  ByteWriter& u16(std::uint64_t value) { return number(value, 2); }
+  ByteWriter& u32(std::uint64_t value) { return number(value, 4); }
+  ByteWriter& sequence_number(std::uint64_t value) { return u32(value >> 32U).u32(value); }
+  ByteWriter& entity(std::uint32_t id) {  // big endian always
+    for (const unsigned shift : {24U, 16U, 8U, 0U}) number(id >> shift, 1);
+    return *this;
+  }
+  ByteWriter& bytes(const Bytes& more) {
+    bytes_.insert(bytes_.end(), more.begin(), more.end());
+    return *this;
+  }
+  ByteWriter& zeros(std::size_t count) { return bytes(Bytes(count)); }
+  [[nodiscard]] const Bytes& written() const { return bytes_; }
+
+ private:
+  Bytes bytes_;
+};
+
+inline constexpr std::uint32_t kParticipantWriter = 0x0100c2;
+inline constexpr std::uint32_t kPublicationsWriter = 0x0003c2;
+inline constexpr std::uint32_t kSubscriptionsReader = 0x0004c7;
+
+inline Bytes submessage(std::uint8_t id, std::uint8_t flags, const Bytes& body) {
+  return ByteWriter().number(id, 1).number(flags, 1).u16(body.size()).bytes(body).written();
+}
+
+inline Bytes message_of(const std::vector<Bytes>& submessages, const GuidPrefix& from = {}) {
+  ByteWriter message;
+  message.bytes({'R', 'T', 'P', 'S', 2, 3, 1, 15}).bytes({from.begin(), from.end()});
+  for (const Bytes& one : submessages) message.bytes(one);
+  return message.written();
+}
+
+inline Bytes ack_nack(std::uint32_t bits) {
+  const std::size_t words = bits <= 1024 ? (bits + 31) / 32 : 8;
+  return submessage(0x06,
+                    1,
+                    ByteWriter()
+                        .entity(kSubscriptionsReader)
+                        .entity(kPublicationsWriter)
+                        .sequence_number(1)
+                        .u32(bits)
+                        .zeros(4 * words)
+                        .u32(7)
+                        .written());
+}
+
+inline Bytes heartbeat(std::uint64_t first, std::uint64_t last) {
+  return submessage(0x07,
+                    1,
+                    ByteWriter()
+                        .entity(0)
+                        .entity(kPublicationsWriter)
+                        .sequence_number(first)
+                        .sequence_number(last)
+                        .u32(9)
+                        .written());
+}
+
+/// From `first` until before `base`, and some of what follows.
+inline Bytes gap(std::uint64_t first, std::uint64_t base) {
+  return submessage(0x08,
+                    1,
+                    ByteWriter()
+                        .entity(0)
+                        .entity(kPublicationsWriter)
+                        .sequence_number(first)
+                        .sequence_number(base)
+                        .u32(32)
+                        .zeros(4)
+                        .written());
+}
+
+/// Of a sample in fragments of 1000 bytes.
+inline Bytes data_frag(std::uint32_t first, std::uint32_t sample_bytes) {
+  return submessage(0x16,
+                    1,
+                    ByteWriter()
+                        .u16(0)
+                        .u16(28)
+                        .entity(0)
+                        .entity(0x102)
+                        .sequence_number(5)
+                        .u32(first)
+                        .u16(1)
+                        .u16(1000)
+                        .u32(sample_bytes)
+                        .zeros(1000)
+                        .written());
+}
+
+/// Of a participant, with parameters given by id and size.
+inline Bytes announcement(const std::vector<std::pair<std::uint16_t, std::uint16_t>>& parameters) {
+  ByteWriter body;
+  body.u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1);
+  body.bytes({0, 3, 0, 0});  // a little endian parameter list
+  for (const auto& [id, size] : parameters) body.u16(id).u16(size).zeros(size);
+  body.u16(1).u16(0);
+  return submessage(0x15, 1 | 4, body.written());
+}
+
+inline std::vector<std::pair<std::string, Bytes>> valid_submessages() {
+  ByteWriter nack_frag;
+  nack_frag.entity(0).entity(kPublicationsWriter).sequence_number(1).u32(1).u32(3).zeros(4).u32(1);
+  ByteWriter heartbeat_frag;
+  heartbeat_frag.entity(0).entity(kPublicationsWriter).sequence_number(1).u32(4).u32(2);
+  ByteWriter data;
+  data.u16(0).u16(16).entity(0).entity(0x102).sequence_number(2).bytes({0, 1, 0, 0}).zeros(40);
+  return {{"ACKNACK", ack_nack(40)},
+          {"HEARTBEAT", heartbeat(1, 4)},
+          {"GAP", gap(1, 3)},
+          {"INFO_TS", submessage(0x09, 1, Bytes(8))},
+          {"INFO_SRC", submessage(0x0c, 1, Bytes(20))},
+          {"INFO_DST", submessage(0x0e, 1, Bytes(12))},
+          {"NACK_FRAG", submessage(0x12, 1, nack_frag.written())},
+          {"HEARTBEAT_FRAG", submessage(0x13, 1, heartbeat_frag.written())},
+          {"DATA", submessage(0x15, 1 | 4, data.written())},
+          {"DATA_FRAG", data_frag(2, 5000)},
+          {"statistics", submessage(0x80, 1, Bytes(56))},
+          {"announcement", announcement({{0x0015, 4}, {0x0016, 4}, {0x0050, 16}})}};
+}
+
+/// Some valid submessages, most of them with a few bytes changed.
+inline Bytes random_message(std::mt19937& random, const GuidPrefix& from = {}) {
+  static const auto valid = valid_submessages();
+  std::vector<Bytes> submessages(1 + random() % 3);
+  for (Bytes& one : submessages) one = valid[random() % valid.size()].second;
+  if (random() % 2 == 0) submessages.push_back(submessage(0x80, 1, Bytes(56)));
+  Bytes message = message_of(submessages, from);
+  constexpr std::size_t kHeader = 20;
+  for (auto i = random() % 5; i > 0; --i) {
+    constexpr std::array<std::uint8_t, 6> kTelling{0x00, 0x01, 0x7f, 0x80, 0xfe, 0xff};
+    std::uint8_t& byte = message[kHeader + random() % (message.size() - kHeader)];
+    byte = random() % 2 == 0 ? kTelling[random() % kTelling.size()]
+                             : static_cast<std::uint8_t>(random());
+  }
+  if (random() % 8 == 0) message.resize(random() % message.size());
+  return message;
+}
+
+}  // namespace fleetloc
