@@ -79,6 +79,9 @@ void CloudNode::run(const std::stop_token& stop) {
         channel_.send(outgoing.partition, std::move(outgoing.message), now);
       }
       for (const RobotId& robot : pool_.take_departed()) channel_.release(robot);
+      for (const std::string& event : channel_.take_events()) {
+        spdlog::info("{}: {}", options_.name, event);
+      }
       for (const std::string& event : pool_.take_events()) {
         spdlog::info("{}: {}", options_.name, event);
       }

@@ -95,6 +95,7 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
   if (!pose) return;  // refused: neither its content nor its stamp can be trusted
   client.set_quality(pose->quality);
   pipeline.poll(pose->stamp);
+  for (const std::string& event : channel.take_events()) spdlog::info("{}: {}", id, event);
   for (const std::string& event : client.take_events()) spdlog::info("{}: {}", id, event);
   recorder.add_imu_rate_pose(*pose);
   recorder.take(pipeline, client.traffic());

@@ -1,50 +1,64 @@
 #include "shared/transport/dds_channel.hpp"
 
-#include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/bytes_type.hpp"
+#include "shared/transport/peer_lookup.hpp"
+#include "shared/transport/renewal_policy.hpp"
 
 namespace fleetloc {
 
-namespace dds = eprosima::fastdds::dds;
-
 namespace {
 
-constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any program leaves
+using std::chrono::milliseconds;
 
-std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
-  std::vector<dds::DataReader*> readers;
-  readers.reserve(subscriptions.size());
-  for (const auto& subscription : subscriptions) readers.push_back(subscription.reader.get());
-  return readers;
+constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any program leaves
+constexpr std::size_t kMostEvents = 100;      // nobody reads them
+constexpr milliseconds kLook{1000};           // at the network, without being told of a change
+constexpr milliseconds kLookAgain{50};        // while it changes
+
+void check(const std::string& partition) {
+  if (partition.empty() || is_valid_id(partition)) return;
+  throw std::invalid_argument("not a partition: '" + partition + "'");
 }
 
 }  // namespace
 
 DdsChannel::DdsChannel(const Config& config)
-    : wire_(std::make_shared<WireLink>(config.role, config.link)),
-      participant_(config.domain, config.participant_profile, wire_),
-      subscriptions_(subscribe(config)),
-      thread_(readers_of(subscriptions_),
-              [this](dds::DataReader& reader) { return take(reader); }) {}
+    : config_(config),
+      wire_(std::make_shared<WireLink>(config.role, config.link)),
+      connection_(connect({})),
+      watch_([this](const std::stop_token& stop) { watch(stop); }) {}
+
+std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantStart& start) {
+  return std::make_unique<DdsConnection>(
+      config_, wire_, start, [this](std::optional<Message> message) {
+        deliver(std::move(message));
+      });
+}
 
 void DdsChannel::send(const std::string& partition, Message message, Timestamp /*now*/) {
+  check(partition);
   const std::size_t size = message.payload.size();
+  const Destination destination{message.topic, partition};
+  bool connected = false;
   bool sent = false;
   {
     const std::lock_guard lock(sending_);
-    sent = writer(message.topic, partition).write(&message.payload);
+    destinations_.insert(destination);
+    connected = connection_ != nullptr;
+    sent = connected && connection_->writer(destination).write(&message.payload);
+    if (partition.empty()) kept_[destination] = std::move(message);
   }
   const std::lock_guard lock(mutex_);
   ++statistics_.sent_messages;
   statistics_.sent_payload_bytes += size;
-  if (!sent) ++diagnostics_.refused;
+  if (!connected) ++diagnostics_.unsent;
+  if (connected && !sent) ++diagnostics_.refused;
 }
 
 std::vector<Message> DdsChannel::receive(Timestamp /*now*/) {
@@ -67,18 +81,22 @@ ChannelStatistics DdsChannel::statistics() const {
 void DdsChannel::release(const std::string& partition) {
   if (partition.empty()) return;  // what everyone hears
   const std::lock_guard lock(sending_);
-  std::erase_if(writers_, [&](const auto& item) { return item.first.second == partition; });
+  std::erase_if(destinations_, [&](const Destination& one) { return one.second == partition; });
+  if (connection_) connection_->release(partition);
 }
 
-bool DdsChannel::wait_for_message(std::chrono::milliseconds patience) {
+bool DdsChannel::wait_for_message(milliseconds patience) {
   std::unique_lock lock(mutex_);
   return arrived_.wait_for(lock, patience, [this] { return !inbox_.empty(); });
 }
 
 int DdsChannel::matched_readers(Topic topic, const std::string& partition) {
+  check(partition);
   const std::lock_guard lock(sending_);
-  dds::PublicationMatchedStatus status;
-  writer(topic, partition).get_publication_matched_status(status);
+  destinations_.insert({topic, partition});
+  if (!connection_) return 0;
+  eprosima::fastdds::dds::PublicationMatchedStatus status;
+  connection_->writer({topic, partition}).get_publication_matched_status(status);
   return status.current_count;
 }
 
@@ -87,61 +105,99 @@ ChannelDiagnostics DdsChannel::diagnostics() const {
   return diagnostics_;
 }
 
-dds::DataWriter& DdsChannel::writer(Topic topic, const std::string& partition) {
-  const auto existing = writers_.find({topic, partition});
-  if (existing != writers_.end()) return *existing->second;
-  if (!partition.empty() && !is_valid_id(partition)) {
-    throw std::invalid_argument("not a partition: '" + partition + "'");
-  }
-  Writer created = participant_.create_writer(topic_spec(topic), partition);
-  return *writers_.emplace(std::pair(topic, partition), std::move(created)).first->second;
-}
-
-std::vector<DdsChannel::Subscription> DdsChannel::subscribe(const Config& config) {
-  if (!is_valid_id(config.name)) throw TransportError("not a valid name: '" + config.name + "'");
-  std::vector<Subscription> subscriptions;
-  const auto hear = [&](Topic topic, const std::string& partition) {
-    auto reader = participant_.create_reader(topic_spec(topic), partition);
-    subscriptions.push_back({.topic = topic, .reader = std::move(reader)});
-  };
-  if (config.role == ChannelRole::kRobot) {
-    hear(Topic::kLocalization, config.name);
-    hear(Topic::kCorrection, config.name);
-    hear(Topic::kLocalizerStatus, "");
-  } else {
-    hear(Topic::kSession, "");
-    hear(Topic::kSubmap, config.name);
-    hear(Topic::kRobotStatus, config.name);
-  }
-  return subscriptions;
-}
-
-bool DdsChannel::take(dds::DataReader& reader) {
-  const auto subscription = std::ranges::find_if(
-      subscriptions_, [&](const Subscription& one) { return one.reader.get() == &reader; });
-  Message message{.topic = subscription->topic, .payload = {}};
-  dds::SampleInfo info;
-  if (reader.take_next_sample(&message.payload, &info) != ReturnCode_t::RETCODE_OK) return false;
-  if (!info.valid_data) return true;
-  if (info.instance_handle != undecodable_instance()) {
-    deliver(std::move(message));
-  } else {
-    const std::lock_guard lock(mutex_);
-    ++diagnostics_.undecodable;
-  }
-  return true;
-}
-
-void DdsChannel::deliver(Message message) {
+std::vector<std::string> DdsChannel::take_events() {
   const std::lock_guard lock(mutex_);
+  return std::exchange(events_, {});
+}
+
+void DdsChannel::note(std::string event) {
+  const std::lock_guard lock(mutex_);
+  if (events_.size() < kMostEvents) events_.push_back(std::move(event));
+}
+
+void DdsChannel::deliver(std::optional<Message> message) {
+  const std::lock_guard lock(mutex_);
+  if (!message) {
+    ++diagnostics_.undecodable;
+    return;
+  }
   ++statistics_.received_messages;
-  statistics_.received_payload_bytes += message.payload.size();
+  statistics_.received_payload_bytes += message->payload.size();
   if (inbox_.size() == kInboxMessages) {
     inbox_.pop_front();
     ++diagnostics_.overflowed;
   }
-  inbox_.push_back(std::move(message));
+  inbox_.push_back(std::move(*message));
   arrived_.notify_all();
+}
+
+// Only this thread replaces the connection.
+void DdsChannel::watch(const std::stop_token& stop) {
+  using Clock = RenewalPolicy::Clock;
+  const Participant& first = connection_->participant();
+  const std::vector<std::string> whitelist = first.whitelist();
+  ParticipantStart start{.identity = first.identity(), .peers = first.peers()};
+  RenewalPolicy policy(first.lease());
+  policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
+  PeerLookup lookup(named_peers(config_.participant_profile));
+  bool was_cut_off = false;
+  while (!stop.stop_requested()) {
+    const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
+    policy.lost(lost, Clock::now());
+    policy.observe(
+        interface_addresses(whitelist), wire_->traffic().received_datagrams, Clock::now());
+    if (const auto found = lookup.take()) policy.found(*found, Clock::now());
+    if (policy.wants_lookup(Clock::now())) lookup.start();
+    if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
+    was_cut_off = policy.is_cut_off();
+    const auto reason = policy.due(Clock::now());
+    if (!reason || stop.stop_requested()) continue;
+    start.peers = policy.peers();
+    if (renew(*reason, start)) {
+      const Participant& made = connection_->participant();
+      policy.made({.addresses = made.made_on(), .peers = made.peers()}, Clock::now());
+    } else {
+      policy.failed(Clock::now());
+    }
+  }
+}
+
+// The old one goes first: the new one takes its ports.
+bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
+  std::unique_ptr<DdsConnection> old;
+  std::set<Destination> destinations;
+  {
+    const std::lock_guard lock(sending_);
+    old = std::move(connection_);
+    destinations = destinations_;
+  }
+  old.reset();
+  start.identity = successor(*start.identity);
+  std::unique_ptr<DdsConnection> fresh;
+  try {
+    try {
+      fresh = connect(start);
+    } catch (const TransportError&) {  // perhaps because of the identity
+      fresh = connect({.identity = std::nullopt, .peers = start.peers});
+      start.identity = fresh->participant().identity();
+    }
+    for (const Destination& destination : destinations) fresh->writer(destination);
+  } catch (const TransportError& error) {
+    note(reason + ": no new participant: " + error.what());
+    return false;
+  }
+  {
+    const std::lock_guard lock(sending_);
+    for (const Destination& destination : destinations) {
+      if (!destinations_.contains(destination)) fresh->release(destination.second);
+    }
+    for (auto& [destination, message] : kept_) fresh->writer(destination).write(&message.payload);
+    connection_ = std::move(fresh);
+  }
+  const std::lock_guard lock(mutex_);
+  ++diagnostics_.renewals;
+  if (events_.size() < kMostEvents) events_.push_back(reason + ": a new participant was made");
+  return true;
 }
 
 }  // namespace fleetloc

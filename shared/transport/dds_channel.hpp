@@ -8,23 +8,25 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
-#include <utility>
+#include <thread>
 #include <vector>
 
 #include "shared/link/channel.hpp"
-#include "shared/transport/participant.hpp"
-#include "shared/transport/reader_thread.hpp"
-#include "shared/transport/wire_transport.hpp"
+#include "shared/transport/dds_connection.hpp"
+#include "shared/transport/network_addresses.hpp"
 
 namespace fleetloc {
 
-/// What a DdsChannel did not hand over.
+/// What a DdsChannel did not hand over, and what became of its participants.
 struct ChannelDiagnostics {
   std::uint64_t undecodable = 0;  ///< samples that are not what their type says
   std::uint64_t overflowed =
       0;                      ///< messages that nobody took for so long that newer ones did not fit
   std::uint64_t refused = 0;  ///< samples that the QoS limits did not let out
+  std::uint64_t unsent = 0;   ///< messages for which there was no participant
+  std::uint64_t renewals = 0;  ///< participants made after the first
 };
 
 /// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics, partitions
@@ -33,15 +35,14 @@ struct ChannelDiagnostics {
 /// A writer is created when its partition is first written to; until it has found its readers, best
 /// effort samples are lost, and the protocol above has to repeat what matters. Any thread may use
 /// any function.
+///
+/// When the addresses of this computer change, the participant is made anew behind this interface,
+/// on a thread of its own (see RenewalPolicy). Statistics go on, what was received stays, session
+/// and localizer status are told again; what is sent meanwhile, for some tenths of a second, is
+/// lost.
 class DdsChannel final : public Channel {
  public:
-  struct Config {
-    std::uint32_t domain;  ///< 0..100
-    std::string participant_profile;
-    ChannelRole role;
-    std::string name;                ///< of the robot or the localizer: its partition
-    std::optional<LinkConfig> link;  ///< emulated around this end, see WireLink
-  };
+  using Config = DdsEnd;
 
   /// Needs load_qos_profiles() before. A TransportError says what is wrong.
   explicit DdsChannel(const Config& config);
@@ -63,30 +64,30 @@ class DdsChannel final : public Channel {
   /// How many readers hear what is sent to this partition; creates the writer.
   int matched_readers(Topic topic, const std::string& partition);
   [[nodiscard]] ChannelDiagnostics diagnostics() const;
+  /// What has happened to the network since the last call, each a line for a log.
+  std::vector<std::string> take_events();
 
  private:
-  using Writer = EntityPtr<eprosima::fastdds::dds::DataWriter>;
-  struct Subscription {
-    Topic topic;
-    EntityPtr<eprosima::fastdds::dds::DataReader> reader;
-  };
+  std::unique_ptr<DdsConnection> connect(const ParticipantStart& start);
+  void deliver(std::optional<Message> message);
+  void watch(const std::stop_token& stop);
+  bool renew(const std::string& reason, ParticipantStart& start);
+  void note(std::string event);
 
-  eprosima::fastdds::dds::DataWriter& writer(Topic topic, const std::string& partition);
-  std::vector<Subscription> subscribe(const Config& config);
-  bool take(eprosima::fastdds::dds::DataReader& reader);
-  void deliver(Message message);
-
+  Config config_;
   std::shared_ptr<WireLink> wire_;
-  mutable std::mutex sending_;  // guards participant_ and writers_
-  Participant participant_;
-  std::map<std::pair<Topic, std::string>, Writer> writers_;
-  std::vector<Subscription> subscriptions_;
-  mutable std::mutex mutex_;  // guards what follows, but not the thread
+  AddressWatch addresses_;
+  mutable std::mutex mutex_;  // guards what follows, up to the statistics; never held for long
   std::condition_variable arrived_;
   std::deque<Message> inbox_;
-  ChannelStatistics statistics_;  // without wire bytes
+  std::vector<std::string> events_;
   ChannelDiagnostics diagnostics_;
-  ReaderThread thread_;  // last, so that it ends before what it uses
+  ChannelStatistics statistics_;  // without wire bytes
+  std::mutex sending_;            // guards what follows; taken before mutex_
+  std::set<Destination> destinations_;
+  std::map<Destination, Message> kept_;        // for those who come later
+  std::unique_ptr<DdsConnection> connection_;  // none while it is made anew
+  std::jthread watch_;                         // last: it uses all others
 };
 
 }  // namespace fleetloc

@@ -187,6 +187,11 @@ WireLink::WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
   incoming_.emplace(is_robot ? link->downlink : link->uplink, link->seed + 1);
 }
 
+void WireLink::begin_participant() {
+  const std::lock_guard lock(mutex_);
+  own_prefix_.reset();
+}
+
 std::optional<WireLink::Clock::time_point> WireLink::outgoing_at(std::uint32_t datagram_bytes) {
   const std::lock_guard lock(mutex_);
   return through(*outgoing_, datagram_bytes);

@@ -24,7 +24,8 @@ struct WireTraffic {
   std::uint64_t received_datagrams = 0;
 };
 
-/// What one participant sends and receives, and the link that is emulated around it. Any thread.
+/// What a participant and those that take its place send and receive, and the link that is emulated
+/// around them. Any thread.
 ///
 /// The link is that of a robot, at whichever end it is emulated: a robot's participant puts what it
 /// sends on the uplink and what it receives on the downlink, a localizer's the other way round, for
@@ -34,6 +35,9 @@ class WireLink {
   using Clock = std::chrono::steady_clock;
 
   WireLink(ChannelRole role, const std::optional<LinkConfig>& link);
+
+  /// To be called before each participant is made.
+  void begin_participant();
 
   [[nodiscard]] bool is_emulated() const { return outgoing_.has_value(); }
 

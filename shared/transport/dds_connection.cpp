@@ -1,0 +1,81 @@
+#include "shared/transport/dds_connection.hpp"
+
+#include <algorithm>
+
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+
+#include "shared/core/ids.hpp"
+#include "shared/transport/bytes_type.hpp"
+
+namespace fleetloc {
+
+namespace dds = eprosima::fastdds::dds;
+
+namespace {
+
+std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
+  std::vector<dds::DataReader*> readers;
+  readers.reserve(subscriptions.size());
+  for (const auto& subscription : subscriptions) readers.push_back(subscription.reader.get());
+  return readers;
+}
+
+}  // namespace
+
+DdsConnection::DdsConnection(const DdsEnd& end,
+                             const std::shared_ptr<WireLink>& wire,
+                             const ParticipantStart& start,
+                             Deliver deliver)
+    : participant_(end.domain, end.participant_profile, wire, start),
+      subscriptions_(subscribe(end)),
+      deliver_(std::move(deliver)),
+      thread_(readers_of(subscriptions_),
+              [this](dds::DataReader& reader) { return take(reader); }) {}
+
+dds::DataWriter& DdsConnection::writer(const Destination& destination) {
+  const auto existing = writers_.find(destination);
+  if (existing != writers_.end()) return *existing->second;
+  const auto& [topic, partition] = destination;
+  auto created = participant_.create_writer(topic_spec(topic), partition);
+  return *writers_.emplace(destination, std::move(created)).first->second;
+}
+
+void DdsConnection::release(const std::string& partition) {
+  std::erase_if(writers_, [&](const auto& item) { return item.first.second == partition; });
+}
+
+std::vector<DdsConnection::Subscription> DdsConnection::subscribe(const DdsEnd& end) {
+  if (!is_valid_id(end.name)) throw TransportError("not a valid name: '" + end.name + "'");
+  std::vector<Subscription> subscriptions;
+  const auto hear = [&](Topic topic, const std::string& partition) {
+    auto reader = participant_.create_reader(topic_spec(topic), partition);
+    subscriptions.push_back({.topic = topic, .reader = std::move(reader)});
+  };
+  if (end.role == ChannelRole::kRobot) {
+    hear(Topic::kLocalization, end.name);
+    hear(Topic::kCorrection, end.name);
+    hear(Topic::kLocalizerStatus, "");
+  } else {
+    hear(Topic::kSession, "");
+    hear(Topic::kSubmap, end.name);
+    hear(Topic::kRobotStatus, end.name);
+  }
+  return subscriptions;
+}
+
+bool DdsConnection::take(dds::DataReader& reader) {
+  const auto subscription = std::ranges::find_if(
+      subscriptions_, [&](const Subscription& one) { return one.reader.get() == &reader; });
+  Message message{.topic = subscription->topic, .payload = {}};
+  dds::SampleInfo info;
+  if (reader.take_next_sample(&message.payload, &info) != ReturnCode_t::RETCODE_OK) return false;
+  if (!info.valid_data) return true;
+  if (info.instance_handle == undecodable_instance()) {
+    deliver_(std::nullopt);
+  } else {
+    deliver_(std::move(message));
+  }
+  return true;
+}
+
+}  // namespace fleetloc

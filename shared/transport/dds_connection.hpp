@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "shared/link/channel.hpp"
+#include "shared/transport/participant.hpp"
+#include "shared/transport/reader_thread.hpp"
+#include "shared/transport/wire_transport.hpp"
+
+namespace fleetloc {
+
+/// One end of the network, whatever becomes of the network.
+struct DdsEnd {
+  std::uint32_t domain;  ///< 0..100
+  std::string participant_profile;
+  ChannelRole role;
+  std::string name;                ///< of the robot or the localizer: its partition
+  std::optional<LinkConfig> link;  ///< emulated around this end, see WireLink
+};
+
+/// Where a writer writes.
+using Destination = std::pair<Topic, std::string>;
+
+/// The part of a DdsChannel that does not survive a change of the network: a participant with the
+/// readers of its end, and the writers that were asked for. One thread at a time.
+class DdsConnection {
+ public:
+  /// Is called from a thread of the connection; with nothing for a sample that is not what its type
+  /// says.
+  using Deliver = std::function<void(std::optional<Message>)>;
+
+  /// A TransportError says what is wrong.
+  DdsConnection(const DdsEnd& end,
+                const std::shared_ptr<WireLink>& wire,
+                const ParticipantStart& start,
+                Deliver deliver);
+
+  /// Is created when it is first asked for.
+  eprosima::fastdds::dds::DataWriter& writer(const Destination& destination);
+  void release(const std::string& partition);
+
+  [[nodiscard]] const Participant& participant() const { return participant_; }
+
+ private:
+  struct Subscription {
+    Topic topic;
+    EntityPtr<eprosima::fastdds::dds::DataReader> reader;
+  };
+
+  std::vector<Subscription> subscribe(const DdsEnd& end);
+  bool take(eprosima::fastdds::dds::DataReader& reader);
+
+  Participant participant_;
+  std::map<Destination, EntityPtr<eprosima::fastdds::dds::DataWriter>> writers_;
+  std::vector<Subscription> subscriptions_;
+  Deliver deliver_;
+  ReaderThread thread_;  // last, so that it ends before what it uses
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,191 @@
+// Interfaces that disappear and return while robot and localizer run: programs in network
+// namespaces, over DDS, in real time, in a world of their own.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/system/network_namespace.hpp"
+#include "test/system/recorded_flight.hpp"
+#include "test/system/run_watch.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::seconds;
+using ::testing::AnyOf;
+using ::testing::Each;
+using ::testing::Le;
+
+using Words = std::vector<std::string>;
+
+constexpr const char* kDriveSeconds = "75";
+
+/// A drive through a made-up world, by its tracks, and the map of the world. Made once.
+struct World {
+  World() {
+    std::ofstream(folder / "ten_hertz.yaml") << "sim: {images: {rate_hz: 10}}\n";
+    map = built_map(simulated("survey", kDriveSeconds, {"--no-images", "--lidar"}), folder);
+    drive = simulated("drive", kDriveSeconds, {"--seed", "2", "--tracks"});
+    start_pose = simulated("start", "1", {}).displaced_start_pose();  // needs an image
+  }
+
+  [[nodiscard]] RecordedFlight simulated(const std::string& name,
+                                         const std::string& duration_s,
+                                         const Words& more) const {
+    const std::string worlds = FLEETLOC_SOURCE_DIR "/deploy/worlds/";
+    const auto out = folder / name;
+    Words words{"--scene",
+                worlds + "campus.yaml",
+                "--route",
+                worlds + "quad.yaml",
+                "--config",
+                (folder / "ten_hertz.yaml").string(),
+                "--duration",
+                duration_s,
+                "--out",
+                out.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    must_run(FLEETLOC_SIM, words);
+    return {.folder = out,
+            .ground_truth = out / "mav0" / "state_groundtruth_estimate0" / "data.csv"};
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path map;
+  RecordedFlight drive;
+  std::string start_pose;
+};
+
+/// A computer of the network, and where it is.
+struct Computer {
+  NetworkNamespace network;
+  std::string address;
+};
+
+class Roaming : public testing::Test {
+ protected:
+  static void TearDownTestSuite() { world_.reset(); }
+
+  void SetUp() override {
+    if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
+    if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
+    if (!world_) world_ = std::make_unique<World>();
+    switch_.emplace();
+    plug_in(robot_, "10.77.0.1");
+    plug_in(cloud_, "10.77.0.2");
+  }
+
+  void plug_in(std::unique_ptr<Computer>& computer, const std::string& address) {
+    if (!computer) computer = std::make_unique<Computer>();
+    computer->address = address;
+    switch_->plug_in(computer->network, address);
+  }
+
+  void start(const std::string& qos) {
+    const std::string profiles = std::string(FLEETLOC_SOURCE_DIR "/qos_profiles/") + qos + ".xml";
+    {
+      const auto inside = cloud_->network.enter();
+      localizer_.emplace(FLEETLOC_CLOUD,
+                         Words{"--name",
+                               "localizer_1",
+                               "--map",
+                               world_->map.string(),
+                               "--qos",
+                               profiles,
+                               "--out",
+                               (out_ / "localizer_1").string()});
+    }
+    const auto inside = robot_->network.enter();
+    program_.emplace(FLEETLOC_ROBOT,
+                     Words{"--robot-id",
+                           "robot_1",
+                           "--dataset",
+                           world_->drive.folder.string(),
+                           "--tracks",
+                           "--qos",
+                           profiles,
+                           "--initial-pose",
+                           world_->start_pose,
+                           "--out",
+                           run_.string()});
+  }
+
+  /// Without its network for a while; it comes back at this address. The stamp of the robot's data
+  /// when it did.
+  Timestamp interrupt(std::unique_ptr<Computer>& computer,
+                      double at_s,
+                      const std::string& address) {
+    constexpr double kAway = 5.0;
+    wait_for_data(run_, std::chrono::duration<double>(at_s));
+    SwitchedNetwork::pull_out(computer->network);
+    wait_for_data(run_, std::chrono::duration<double>(at_s + kAway));
+    plug_in(computer, address);
+    return frames_of(run_).back().stamp;
+  }
+
+  /// From the network's return on [s of data], for each return.
+  [[nodiscard]] std::vector<double> silences(const std::vector<Timestamp>& returns) const {
+    const auto answers = answers_of(run_);
+    std::vector<double> silences;
+    for (const Timestamp back : returns) {
+      const auto next = std::ranges::find_if(answers, [&](const AnswerLine& answer) {
+        return answer.arrival > back && answer.applied;
+      });
+      silences.push_back(next == answers.end() ? 1e9 : to_seconds(next->arrival - back));
+    }
+    return silences;
+  }
+
+  static inline std::unique_ptr<World> world_;
+  ScratchFolder out_;
+  std::filesystem::path run_ = out_ / "robot_1";
+  std::optional<SwitchedNetwork> switch_;
+  std::unique_ptr<Computer> robot_, cloud_;
+  std::optional<ChildProgram> localizer_, program_;
+};
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(Roaming, GetsItsAnswersAgainWithItsSessionAndItsPose) {
+  start("lan");
+  const std::vector<Timestamp> returns{interrupt(robot_, 10, "10.77.0.1"),
+                                       interrupt(robot_, 25, "10.77.0.3"),
+                                       interrupt(cloud_, 40, "10.77.0.2"),
+                                       interrupt(cloud_, 55, "10.77.0.4")};
+  const Outcome robot = program_->wait();
+  EXPECT_EQ(robot.exit_code, 0) << robot.errors;
+  localizer_->signal(SIGTERM);
+  const Outcome localizer = localizer_->wait();
+  EXPECT_EQ(localizer.exit_code, 0) << localizer.errors;
+  std::cout << robot.output << localizer.output;
+
+  const std::vector<double> silent_s = silences(returns);
+  for (const double s : silent_s)
+    std::cout << "answered " << s << " s after the network's return\n";
+  EXPECT_THAT(silent_s, Each(Le(5.0)));
+  EXPECT_EQ(occurrences(robot.output, "started as"), 1) << "the localizer was chosen again";
+  const auto session = parsed_json(out_ / "localizer_1" / "sessions.json").at("robot_1");
+  EXPECT_EQ(session.at("sessions"), 1);
+  const auto errors = run_errors(run_, world_->drive);
+  std::cout << errors.dump() << '\n';
+  EXPECT_EQ(errors.at("confidence").at("confidently_wrong"), 0);
+  EXPECT_LT(errors.at("ate").at("median"), 0.15);
+  for (const FrameLine& frame : frames_of(run_)) {
+    if (frame.stamp < returns.front()) continue;
+    EXPECT_THAT(frame.state, AnyOf("localized", "dead_reckoning"));
+  }
+}
+
+}  // namespace
+}  // namespace fleetloc

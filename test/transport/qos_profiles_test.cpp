@@ -1,0 +1,124 @@
+#include "shared/transport/qos_profiles.hpp"
+
+#include <fstream>
+
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "shared/transport/participant.hpp"
+#include "test/test_folder.hpp"
+#include "test/transport/test_network.hpp"
+
+namespace fleetloc {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class QosProfilesTest : public testing::Test {
+ protected:
+  QosProfilesTest() { load_test_profiles(); }
+
+  /// Writes a file of profiles that no other test uses.
+  std::filesystem::path written(const std::string& name,
+                                const std::string& profiles,
+                                const std::string& attributes = "") {
+    auto file = test_folder() / name;
+    std::ofstream(file) << "<dds" << attributes << "><profiles>" << profiles << "</profiles></dds>";
+    return file;
+  }
+
+  static std::string refusal(const std::filesystem::path& file) {
+    try {
+      load_qos_profiles(file);
+    } catch (const TransportError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+std::string participant(const std::string& name, const std::string& rtps) {
+  return "<participant profile_name=\"" + name + "\"><rtps>" + rtps + "</rtps></participant>";
+}
+
+std::string domain_name(const std::string& profile) {
+  dds::DomainParticipantQos qos;
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  EXPECT_EQ(factory->get_participant_qos_from_profile(profile, qos), ReturnCode_t::RETCODE_OK);
+  return qos.name().to_string();
+}
+
+TEST_F(QosProfilesTest, TakeFromTheirBaseWhatTheyDoNotDefine) {
+  written("base.xml",
+          participant("both", "<name>of base</name>") +
+              participant("base_only", "<name>base only</name>"));
+  load_qos_profiles(written("over.xml",
+                            participant("both", "<name>of over</name>"),
+                            " xmlns:fleetloc=\"fleetloc\" fleetloc:based_on=\"base.xml\""));
+  EXPECT_EQ(domain_name("both"), "of over");
+  EXPECT_EQ(domain_name("base_only"), "base only");
+}
+
+TEST_F(QosProfilesTest, RefuseAProfileThatTheirBaseDoesNotHave) {
+  written("small_base.xml", participant("of_small_base", ""));
+  EXPECT_THAT(
+      refusal(written(
+          "typo.xml", participant("of_smal_base", ""), " fleetloc:based_on=\"small_base.xml\"")),
+      AllOf(HasSubstr("typo.xml"), HasSubstr("line 1")));
+  EXPECT_THAT(refusal(written("baseless.xml", "", " fleetloc:based_on=\"nowhere.xml\"")),
+              HasSubstr("nowhere.xml: no such file"));
+}
+
+TEST_F(QosProfilesTest, NamePeersAndServersByHostsThatNeedNotExistYet) {
+  const std::string locators =
+      "<locator><udpv4><address>nobody.invalid</address><port>7500</port></udpv4></locator>"
+      "<locator><udpv4><address>localhost</address></udpv4></locator>"
+      "<locator><udpv4><address>10.1.2.3</address></udpv4></locator>";
+  load_qos_profiles(written(
+      "named.xml",
+      participant("with_peers",
+                  "<builtin><initialPeersList>" + locators + "</initialPeersList></builtin>")));
+  const NamedPeer nobody{.host = "nobody.invalid", .port = 7500, .server_prefix = {}};
+  const NamedPeer here{.host = "localhost", .port = 0, .server_prefix = {}};
+  EXPECT_THAT(named_peers("with_peers"), ElementsAre(nobody, here));
+  EXPECT_THAT(look_up(named_peers("with_peers")),
+              ElementsAre(FoundPeer{.peer = here, .address = "127.0.0.1"}));
+  EXPECT_THAT(named_peers("loopback"), IsEmpty());
+  dds::DomainParticipantQos qos;
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  ASSERT_EQ(factory->get_participant_qos_from_profile("with_peers", qos), ReturnCode_t::RETCODE_OK);
+  EXPECT_EQ(qos.wire_protocol().builtin.initialPeersList.size(), 1);  // the address
+}
+
+std::string client_of(const std::string& prefix) {
+  return "<useBuiltinTransports>false</useBuiltinTransports>"
+         "<userTransports><transport_id>loopback</transport_id></userTransports>"
+         "<builtin><discovery_config><discoveryProtocol>CLIENT</discoveryProtocol>"
+         "<discoveryServersList><RemoteServer prefix=\"" +
+         prefix +
+         "\"><metatrafficUnicastLocatorList><locator><udpv4><address>nobody.invalid</address>"
+         "</udpv4></locator></metatrafficUnicastLocatorList></RemoteServer>"
+         "</discoveryServersList></discovery_config></builtin>";
+}
+
+TEST_F(QosProfilesTest, LetAParticipantStartWithoutItsDiscoveryServer) {
+  const TestNetwork network;
+  load_qos_profiles(written(
+      "client.xml", participant("client", client_of("44.53.00.5f.45.50.52.4f.53.49.4d.41"))));
+  EXPECT_THAT(Participant(network.domain(), "client").peers(), IsEmpty());
+  const NamedPeer server = named_peers("client").front();
+  const Participant found(network.domain(),
+                          "client",
+                          nullptr,
+                          {.identity = {}, .peers = FoundPeers{{server, "127.0.0.1"}}});
+  EXPECT_EQ(found.peers().size(), 1);
+}
+
+}  // namespace
+}  // namespace fleetloc

@@ -1,0 +1,155 @@
+// Participants that lose their network, in a namespace where loopback's address goes and returns.
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/system/network_namespace.hpp"
+#include "test/transport/test_network.hpp"
+#include "test/transport/wire_samples.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// Waits until it is so.
+bool comes_true(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return false;
+}
+
+class Renewal : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
+    computer_.emplace();
+    const auto inside = computer_->enter();
+    cloud_ = channel(ChannelRole::kCloud, "cloud_1");
+    robot_ = channel(ChannelRole::kRobot, "robot_1");
+  }
+
+  [[nodiscard]] std::unique_ptr<DdsChannel> channel(ChannelRole role, const std::string& name) {
+    return std::make_unique<DdsChannel>(on_loopback(network_.domain(), role, name));
+  }
+
+  void take_network_away() { computer_->ip("address delete 127.0.0.1/8 dev lo"); }
+  void give_network_back() { computer_->ip("address add 127.0.0.1/8 dev lo"); }
+
+  /// The network is gone and back, and both ends have noticed.
+  void interrupt() {
+    const auto before = std::pair(robot_->diagnostics().renewals, cloud_->diagnostics().renewals);
+    take_network_away();
+    give_network_back();
+    ASSERT_TRUE(comes_true([&] {
+      return robot_->diagnostics().renewals > before.first &&
+             cloud_->diagnostics().renewals > before.second;
+    }));
+  }
+
+  [[nodiscard]] bool submap_arrives(std::uint32_t number) {
+    return receives(
+        *cloud_,
+        [&] { robot_->send("cloud_1", numbered_submap(number), {}); },
+        [&](const Message& message) {
+          return message.topic == Topic::kSubmap && number_of(message) == number;
+        });
+  }
+
+  const TestNetwork network_;
+  std::optional<NetworkNamespace> computer_;
+  std::unique_ptr<DdsChannel> cloud_, robot_;
+};
+
+TEST_F(Renewal, GoesOnWithItsCountsAfterTheNetworkWasGone) {
+  for (std::uint32_t number = 1; number < 6; ++number) {
+    ASSERT_TRUE(submap_arrives(number)) << number;
+    const ChannelStatistics before = robot_->statistics();
+    interrupt();
+    const ChannelStatistics after = robot_->statistics();
+    EXPECT_GE(after.sent_messages, before.sent_messages);
+    EXPECT_GE(after.sent_wire_bytes, before.sent_wire_bytes);
+    EXPECT_GE(after.received_wire_bytes, before.received_wire_bytes);
+  }
+  EXPECT_EQ(robot_->diagnostics().renewals, 5);
+  EXPECT_THAT(robot_->take_events(), Contains(HasSubstr("addresses are now 127.0.0.1")));
+}
+
+TEST_F(Renewal, KeepsWhatWasReceivedAndNotYetTaken) {
+  ASSERT_TRUE(submap_arrives(1));
+  static_cast<void>(cloud_->receive({}));
+  while (!cloud_->wait_for_message(milliseconds(20))) {
+    robot_->send("cloud_1", numbered_submap(2), {});
+  }
+  interrupt();
+  const auto messages = cloud_->receive({});
+  ASSERT_FALSE(messages.empty());
+  EXPECT_EQ(number_of(messages.front()), 2);
+}
+
+TEST_F(Renewal, TellsItsSessionAgainToThoseWhoComeLater) {
+  robot_->send("", session_of("robot_1"), {});
+  ASSERT_TRUE(submap_arrives(1));
+  interrupt();
+  const auto inside = computer_->enter();
+  const auto late = channel(ChannelRole::kCloud, "cloud_2");
+  EXPECT_TRUE(receives(
+      *late, [] {}, [](const Message& message) { return message.topic == Topic::kSession; }));
+}
+
+TEST_F(Renewal, TellsWhatWasSaidWhileThereWasNoNetwork) {
+  ASSERT_TRUE(submap_arrives(1));
+  take_network_away();
+  robot_->send("", session_of("robot_1"), {});
+  give_network_back();
+  EXPECT_TRUE(receives(
+      *cloud_, [] {}, [](const Message& message) { return message.topic == Topic::kSession; }));
+}
+
+// Whoever calls never waits for a new participant, which takes tens of milliseconds.
+TEST_F(Renewal, KeepsNoCallerWaiting) {
+  ASSERT_TRUE(submap_arrives(1));
+  std::chrono::steady_clock::duration longest{};
+  const auto renewed = robot_->diagnostics().renewals;
+  take_network_away();
+  give_network_back();
+  std::uint32_t number = 1;
+  ASSERT_TRUE(comes_true([&] {
+    const auto begin = std::chrono::steady_clock::now();
+    robot_->send("cloud_1", numbered_submap(++number), {});
+    static_cast<void>(robot_->receive({}));
+    longest = std::max(longest, std::chrono::steady_clock::now() - begin);
+    return robot_->diagnostics().renewals > renewed;
+  }));
+  RecordProperty("longest_us", static_cast<int>(longest / std::chrono::microseconds(1)));
+  EXPECT_GT(robot_->diagnostics().unsent, 0) << "no call fell between the two participants";
+}
+
+TEST_F(Renewal, EndsCleanlyAtAnyMoment) {
+  const auto inside = computer_->enter();
+  for (int i = 0; i < 12; ++i) {
+    auto ending = channel(ChannelRole::kRobot, "robot_2");
+    ending->send("", session_of("robot_2"), {});
+    take_network_away();
+    give_network_back();
+    // The new participant is made a second after the old one at the earliest.
+    std::this_thread::sleep_for(milliseconds(940 + 20 * i));
+    ending.reset();
+  }
+  EXPECT_TRUE(submap_arrives(1));
+}
+
+}  // namespace
+}  // namespace fleetloc
