@@ -196,62 +196,29 @@ recorded_flight() {
   echo "run folders: $out/robot_1, $out/localizer_1"
 }
 
-# Runs a command that makes RESULT, unless it is there, made of the same inputs by the same command.
-made() {  # RESULT INPUT... -- COMMAND...
-  local result=$1 inputs=() hash
-  shift
-  while [ "$1" != -- ]; do inputs+=("$1"); shift; done
-  shift
-  hash=$( { echo "$*"; sha256sum "$1" "${inputs[@]}"; } | sha256sum)
-  if [ -e "$result" ] && [ "$(cat "$result.inputs" 2>/dev/null)" = "$hash" ]; then
-    echo "   $(basename "$result"): unchanged, kept"
-    return
-  fi
-  rm -rf "$result" "$result.inputs"
-  run "$@" >"$result.log" || fail "$(basename "$1") did not make $result"
-  echo "$hash" >"$result.inputs"
-}
-
-simulated() {  # NAME INPUT... -- OPTION...
-  local name=$1 inputs=()
-  shift
-  while [ "$1" != -- ]; do inputs+=("$1"); shift; done
-  made "$world/$name" "$demo/sim.yaml" "$campus" "$demo/streets.yaml" "${inputs[@]}" -- \
-    "$bin/fleetloc-sim" --config "$demo/sim.yaml" --scene "$campus" "${@:2}" --out "$world/$name"
-}
-
 made_up_world() {
-  local demo=$root/deploy/worlds/demo campus=$root/deploy/worlds/campus.yaml world=$out/world
-  local lidar=() truths=() runs=() folders=() sessions=() name seed=11
+  local demo=$root/deploy/worlds/demo world=$out/world name
+  local truths=() runs=() folders=() sessions=()
   local names=(robot_1 robot_2) localizer_names=(localizer_1 localizer_2)
   build fleetloc-sim fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval fleetloc-monitor
   rm -rf "$out/report.html" "$out/summary.json"
-  mkdir -p "$world"
 
   begin map "a survey with lidar in summer, and the map made of it"
-  lidar=("$demo/streets.yaml" -- --route "$demo/streets.yaml" --no-images --lidar --no-merged-cloud)
-  simulated survey "${lidar[@]}"
-  made "$world/map.pcd" "$bin/fleetloc-sim" "$world/survey.inputs" -- \
-    "$bin/fleetloc-map" build --dataset "$world/survey" --out "$world/map.pcd"
+  run "$demo/make.sh" map "$world" "$bin" || fail "no map"
   finish
 
-  # The ground truth is set apart: the programs under test never see it.
   begin drives "what the robots will see in autumn"
-  for name in "${names[@]}"; do
-    simulated "$name" "$demo/$name.yaml" -- --route "$demo/$name.yaml" \
-      --built-along "$demo/streets.yaml" --session autumn --seed $((seed++))
-    [ ! -f "$world/$name/$truth_in" ] || mv "$world/$name/$truth_in" "$world/$name.truth.csv"
-    truths+=("$world/$name.truth.csv")
-  done
+  run "$demo/make.sh" drives "$world" "$bin" || fail "no drives"
+  for name in "${names[@]}"; do truths+=("$world/truth/$name.csv"); done
   finish
 
   begin run "${#names[@]} robots and ${#localizer_names[@]} localizers, DDS domain $domain, rate $rate"
-  start_localizers "$world/map.pcd" "$root/qos_profiles/wifi.xml" "${localizer_names[@]}"
+  start_localizers "$world/map/map.pcd" "$root/qos_profiles/wifi.xml" "${localizer_names[@]}"
   for name in "${names[@]}"; do
     rm -rf "${out:?}/$name"
-    start "$name" "$bin/fleetloc-robot" --robot-id "$name" --dataset "$world/$name" \
+    start "$name" "$bin/fleetloc-robot" --robot-id "$name" --dataset "$world/drives/$name" \
       --qos "$root/qos_profiles/wifi.xml" --link "$demo/link.yaml" --domain "$domain" \
-      --rate "$rate" --initial-pose "$(start_pose "$world/$name" "$world/$name.truth.csv")" \
+      --rate "$rate" --initial-pose "$(cat "$world/drives/$name.start")" \
       --out "$out/$name" >"$out/$name.log" 2>&1
     robots+=("$child")
     runs+=("$out/$name")
@@ -271,7 +238,7 @@ made_up_world() {
 
   begin report
   run "$bin/fleetloc-eval" --run "${runs[@]}" --ground-truth "${truths[@]}" \
-    --report "$out/report.html" --map "$world/map.pcd" --sessions "${sessions[@]}" ||
+    --report "$out/report.html" --map "$world/map/map.pcd" --sessions "${sessions[@]}" ||
     fail "no report"
   finish
   write_summary >"$out/summary.json"
@@ -294,7 +261,7 @@ write_summary() {
   "robots": [$(quoted "${runs[@]}")],
   "ground_truth": [$(quoted "${truths[@]}")],
   "sessions": [$(quoted "${sessions[@]}")],
-  "map": "world/map.pcd",
+  "map": "world/map/map.pcd",
   "report": "report.html",
   "stages": [${stages[*]}]
 }

@@ -91,6 +91,21 @@ InterfaceAddresses interface_addresses(const std::vector<std::string>& named) {
   return addresses;
 }
 
+// A datagram socket sends nothing when it is connected.
+bool has_route(const std::string& address) {
+  sockaddr_in destination{};
+  destination.sin_family = AF_INET;
+  destination.sin_port = htons(9);  // any
+  if (inet_pton(AF_INET, address.c_str(), &destination.sin_addr) != 1) return false;
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return true;  // unknown: let the sending itself fail
+  const bool routed =
+      connect(descriptor, reinterpret_cast<const sockaddr*>(&destination), sizeof(destination)) ==
+      0;
+  close(descriptor);
+  return routed;
+}
+
 AddressWatch::AddressWatch()
     : changes_(netlink_socket()), wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (wake_ >= 0) return;

@@ -21,6 +21,9 @@ using InterfaceAddresses = std::set<InterfaceAddress>;
 /// Those of the interfaces that are up: without loopback, or, if any are named, those named.
 InterfaceAddresses interface_addresses(const std::vector<std::string>& named);
 
+/// Whether the kernel knows where to send what is for an IPv4 address.
+bool has_route(const std::string& address);
+
 /// Tells that the addresses of this computer may have changed, as soon as the kernel says so.
 class AddressWatch {
  public:

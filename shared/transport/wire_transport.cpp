@@ -12,6 +12,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
+#include "shared/transport/network_addresses.hpp"
 #include "shared/transport/rtps_check.hpp"
 
 namespace fleetloc {
@@ -103,6 +104,13 @@ class Transport final : public fdr::ChainingTransport {
     if (delay_line_) delay_line_->stop();
   }
 
+  // Fast DDS sends to every address of a participant. What is for one on a network that cannot be
+  // reached from here never leaves this computer.
+  [[nodiscard]] bool leaves(const rtps::Locator_t& to) const {
+    return IsLocatorSupported(to) &&
+           (rtps::IPLocator::isMulticast(to) || has_route(rtps::IPLocator::toIPv4string(to)));
+  }
+
   // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
   // sends it to every address (a multicast on loopback only), the others, one an interface, send
   // multicasts only; with a whitelist every socket sends to every address.
@@ -132,12 +140,13 @@ bool Transport::send(rtps::SenderResource* socket,
   fdr::LocatorList destinations;                        // the iterators are valid in this call only
   for (; *begin != *end; ++*begin) {
     const rtps::Locator_t& to = **begin;
+    if (!leaves(to)) continue;
     destinations.push_back(to);
-    if (counts(socket) && IsLocatorSupported(to)) link_->count_sent(buffer, size);
+    if (counts(socket)) link_->count_sent(buffer, size);
   }
   if (!delay_line_) return transmit(*socket, buffer, size, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
-    if (!IsLocatorSupported(to) || !sends(socket, to)) continue;
+    if (!sends(socket, to)) continue;
     const auto due = link_->outgoing_at(size);
     if (!due) continue;
     delay_line_->at(*due, [socket, to, copy = std::vector<rtps::octet>(buffer, buffer + size)] {
