@@ -11,12 +11,6 @@ namespace fleetloc {
 /// another one. A soft shadow is the mean over them.
 inline constexpr int kSunParts = 3;
 
-/// Where pixels look, in the camera's frame.
-struct CameraPacket {
-  RayPacket::Lanes<float> direction_x, direction_y, direction_z;  ///< zero in unused lanes
-  RayPacket::Lanes<std::uint8_t> sun_part;
-};
-
 /// Rays of pixels.
 struct ViewPacket {
   RayPacket rays;

@@ -24,7 +24,8 @@ struct PixelBlock {
   using Packets = std::array<ViewPacket, kPackets>;
   struct Seen {
     std::array<SeenPacket, kPackets> packets;
-    std::array<std::uint32_t, kPackets> sunlit;  ///< bits of their lanes
+    std::array<std::uint32_t, kPackets> sunlit;                       ///< bits of their lanes
+    std::array<RayPacket::Lanes<std::uint32_t>, kPackets> triangles;  ///< see HitPacket
   };
 
   /// Of the rays in the packets, lane by lane.

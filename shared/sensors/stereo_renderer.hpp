@@ -11,8 +11,10 @@
 #include "shared/geometry/pose.hpp"
 #include "shared/model/camera.hpp"
 #include "shared/model/stereo_frame.hpp"
+#include "shared/sensors/camera_packet.hpp"
 #include "shared/sensors/light.hpp"
 #include "shared/sensors/pixel_block.hpp"
+#include "shared/sensors/seen_image.hpp"
 #include "shared/sensors/sensor_response.hpp"
 #include "shared/sensors/view_rays.hpp"
 #include "shared/world/session_scene.hpp"
@@ -53,40 +55,17 @@ class StereoRenderer {
 
  private:
   struct Eye {
-    Eye(const Camera& camera, Pose T_body_camera, const PixelResponse& noise);
+    Eye(const Camera& camera, Pose T_body_camera, const Config& config, const CounterRandom& noise);
 
     ViewRays rays;
     std::vector<std::array<CameraPacket, PixelBlock::kPackets>> blocks;  // the same, by rows
+    std::vector<float> arriving;  // share of the light, by pixel
     Pose T_body_cam;
     PixelResponse response;
-    std::vector<float> radiance;      // of each pixel
-    std::vector<float> sun;           // see SeenPacket
-    std::vector<std::uint32_t> keys;  // see SeenPacket
-    std::vector<std::uint8_t> sunlit;
+    SeenImage seen;
   };
   void expose(Eye& eye, const Shot& shot, const Motion& T_map_body);
   void trace(Eye& eye, const SceneView& view, const Pose& T_map_cam);
-  void add_sun(Eye& eye) const;
-  /// In each column, of a row and those above and below.
-  static std::vector<int> sunlit_of_three(const Eye& eye, int v);
-  /// About a pixel, on its surface: three by three pixels see each part of the sun equally often.
-  static float sunlit_share(const Eye& eye, int u, int v);
-  void smooth_edges(Eye& eye, const SceneView& view, const Pose& T_map_cam);
-  /// Between two neighbours that see different things.
-  struct Edge {
-    std::size_t pixel;
-    std::size_t next;       // to the right or below
-    float radiance;         // halfway from one to the other
-    std::uint8_t sun_part;  // that the ray there sees
-  };
-  /// Sets their radiance.
-  void look_at(std::vector<Edge>& found,
-               const Eye& eye,
-               const SceneView& view,
-               const Pose& T_map_cam) const;
-  static bool differs(const Eye& eye, std::size_t pixel, std::size_t next);
-  /// Those of a row of blocks, without their radiance.
-  static std::vector<Edge> edges_in(const Eye& eye, int row);
   [[nodiscard]] cv::Mat developed(const Eye& eye, std::uint64_t frame, float gain) const;
 
   Config config_;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,40 +9,11 @@
 #include <Eigen/Core>
 
 #include "shared/world/mesh.hpp"
+#include "shared/world/ray_packet.hpp"
 
 namespace fleetloc {
 
-struct Ray {
-  Eigen::Vector3f origin_map;
-  Eigen::Vector3f direction_map;  ///< unit length
-};
-
-struct Hit {
-  float distance_m = 0.0F;
-  Eigen::Vector3f normal_map;  ///< of the triangle, unit length, towards the ray's origin
-  std::uint32_t surface = 0;   ///< of the triangle
-};
-
-/// Rays side by side, for those that go nearly the same way. Unused lanes have `most_m` < 0.
-struct alignas(64) RayPacket {
-  static constexpr int kSize = 16;
-  template <typename T>
-  using Lanes = std::array<T, kSize>;
-
-  Lanes<float> origin_x, origin_y, origin_z;           ///< in map
-  Lanes<float> direction_x, direction_y, direction_z;  ///< in map, unit length
-  Lanes<float> least_m;
-  Lanes<float> most_m;
-};
-
-struct alignas(64) HitPacket {
-  static constexpr float kNone = std::numeric_limits<float>::infinity();
-
-  RayPacket::Lanes<float> distance_m;  ///< kNone where nothing was hit; then the rest is undefined
-  RayPacket::Lanes<float> normal_x, normal_y, normal_z;  ///< as in Hit
-  RayPacket::Lanes<std::uint32_t> surface;
-  RayPacket::Lanes<std::uint32_t> triangle;  ///< its number in this caster
-};
+class TriangleTree;
 
 /// What a ray meets first in a set of triangles. Immutable: any number of threads may ask at once,
 /// and the same question has the same answer in every run. Copies share the triangles.
@@ -66,6 +36,11 @@ class RayCaster {
   [[nodiscard]] HitPacket first_hits_on(std::span<const std::uint32_t> triangles,
                                         const RayPacket& rays) const;
 
+  /// The nearer one of two triangles of each ray's own (or HitPacket::kNoTriangle), if it meets
+  /// one.
+  using TrianglePairs = std::array<RayPacket::Lanes<std::uint32_t>, 2>;
+  [[nodiscard]] HitPacket hits_on_own(const TrianglePairs& triangles, const RayPacket& rays) const;
+
   /// Something stands between two points; the surfaces that they lie on do not count (2 mm).
   [[nodiscard]] bool occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f& to_map) const;
 
@@ -76,14 +51,15 @@ class RayCaster {
   [[nodiscard]] bool has_surface_within(const Eigen::Vector3f& p_map, float radius_m) const;
 
  private:
-  struct Triangles;
-
   RayCaster() = default;
 
-  void trace(const RayPacket& rays, HitPacket& hits) const;
+  [[nodiscard]] std::array<Eigen::Vector3f, 3> corners(std::uint32_t triangle) const;
+  [[nodiscard]] std::uint32_t surface(std::uint32_t triangle) const;
+  /// Of the rays that have no hit yet.
+  void trace_rest(const RayPacket& rays, HitPacket& hits) const;
 
-  std::shared_ptr<const Triangles> fixed_;
-  std::shared_ptr<const Triangles> moving_;  // may be null
+  std::shared_ptr<const TriangleTree> fixed_;
+  std::shared_ptr<const TriangleTree> moving_;  // may be null
 };
 
 }  // namespace fleetloc

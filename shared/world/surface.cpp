@@ -103,9 +103,21 @@ constexpr std::array<Layers, 16> kPatterns = {{
       {0, 0, 0, false, false}}},
 }};
 
+/// Where a cell is, on its way to being hashed: that of the next one is a sum.
+struct CellKey {
+  static constexpr std::uint32_t kNextX = 0x8da6b343U;
+  static constexpr std::uint32_t kNextY = 0xd8163841U;
+  Uint4 x;
+  Uint4 y;
+};
+
+CellKey key_of(const Int4& x, const Int4& y) {
+  return {.x = to_unsigned(x) * CellKey::kNextX, .y = to_unsigned(y) * CellKey::kNextY};
+}
+
 /// Uniform in [0, 1) by the place of a cell; neighbours up to eight cells apart do not correlate.
-Float4 hashed(const Int4& x, const Int4& y, std::uint32_t seed) {
-  Uint4 h = to_unsigned(x) * 0x8da6b343U ^ to_unsigned(y) * 0xd8163841U ^ seed;
+Float4 hashed(const CellKey& cell, std::uint32_t seed) {
+  Uint4 h = cell.x ^ cell.y ^ seed;
   h ^= h >> 15U;
   h *= 0x2c1b3c6dU;
   h ^= h >> 12U;
@@ -132,11 +144,14 @@ struct Weights {
 Float4 blended(const Int4& i, const Int4& k, const Weights& weights, std::uint32_t seed) {
   const Int4 is_between = ((weights.x > 0.0F) & (weights.x < 1.0F)) |  //
                           ((weights.y > 0.0F) & (weights.y < 1.0F));
-  if (!any(is_between)) return hashed(i - (weights.x > 0.0F), k - (weights.y > 0.0F), seed);
-  const auto row = [&](const Int4& y) {
-    return (1.0F - weights.x) * hashed(i, y, seed) + weights.x * hashed(i + 1, y, seed);
+  if (!any(is_between)) return hashed(key_of(i - (weights.x > 0.0F), k - (weights.y > 0.0F)), seed);
+  const CellKey cell = key_of(i, k);
+  const Uint4 next_x = cell.x + CellKey::kNextX;
+  const auto row = [&](const Uint4& y) {
+    return (1.0F - weights.x) * hashed({.x = cell.x, .y = y}, seed) +
+           weights.x * hashed({.x = next_x, .y = y}, seed);
   };
-  return (1.0F - weights.y) * row(k) + weights.y * row(k + 1);
+  return (1.0F - weights.y) * row(cell.y) + weights.y * row(cell.y + CellKey::kNextY);
 }
 
 /// Where points lie on their surface, and how large their pixels are there.

@@ -105,6 +105,33 @@ TEST(RayCaster, RaysThatMissTheTrianglesTheyAreExpectedOnAreTraced) {
   }
 }
 
+TEST(RayCaster, EachRayMeetsTheNearerOfItsOwnTriangles) {
+  Mesh moving;
+  add_floor(moving, 1.0F, 7);
+  for (auto& vertex : moving.vertices) vertex.x() += 10.0F;
+  const RayCaster caster = RayCaster(two_floors()).with(moving);
+  const RayPacket rays = downward_rays();
+  const HitPacket hits = caster.first_hits(rays);
+  const std::uint32_t moved = hits.triangle.back();
+  RayCaster::TrianglePairs own{};
+  own[0] = hits.triangle;
+  own[1].fill(moved);
+  own[0][1] = HitPacket::kNoTriangle;  // and the moved one does not lie in its way
+  own[0][9] = hits.triangle[0];        // of the fixed floor, behind the other or beside the ray
+  own[1][9] = hits.triangle[9];
+  const HitPacket again = caster.hits_on_own(own, rays);
+  for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
+    if (i == 1 || i == 6) {
+      EXPECT_EQ(again.distance_m[i], HitPacket::kNone);
+      continue;
+    }
+    EXPECT_NEAR(again.distance_m[i], hits.distance_m[i], 1e-5F);
+    EXPECT_FLOAT_EQ(again.normal_z[i], hits.normal_z[i]);
+    EXPECT_EQ(again.surface[i], hits.surface[i]);
+    EXPECT_EQ(again.triangle[i], hits.triangle[i]);
+  }
+}
+
 TEST(RayCaster, SurfacesOfTheEndPointsHideNothing) {
   const RayCaster caster(two_floors());
   EXPECT_FALSE(caster.occluded({0, 0, 0}, {1, 1, 5}));
