@@ -40,7 +40,7 @@ void IcpLocalizer::start_session(const RobotSession& session, Timestamp now) {
 
 void IcpLocalizer::submit(Submap submap, Timestamp now) {
   advance(now);
-  if (!session_ || submap.session != session_->session) return;
+  if (!session_) return;
   waiting_ = std::move(submap);
   advance(now);
 }
@@ -64,8 +64,8 @@ void IcpLocalizer::advance(Timestamp now) {
 Answer IcpLocalizer::answer_to(const Submap& submap) {
   const SubmapKeyframe& newest = submap.keyframes.back();
   Answer answer;
-  answer.robot = submap.robot;
-  answer.session = submap.session;
+  answer.robot = session_->robot;
+  answer.session = session_->session;
   answer.localizer = "icp";
   answer.epoch = Epoch{1};
   answer.keyframe = newest.id;

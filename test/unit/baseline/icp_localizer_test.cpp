@@ -40,7 +40,7 @@ class IcpLocalizerTest : public testing::Test {
   static RobotSession session(const Pose& T_map_odom) {
     RobotSession session;
     session.robot = "robot";
-    session.session = SessionNumber{1};
+    session.session = SessionNumber{4};
     session.start = StartPose{.T_map_odom = T_map_odom};
     return session;
   }
@@ -48,8 +48,6 @@ class IcpLocalizerTest : public testing::Test {
   /// Of a robot at rest that sees the corner.
   [[nodiscard]] Submap submap(std::uint32_t keyframe) const {
     Submap submap;
-    submap.robot = "robot";
-    submap.session = SessionNumber{1};
     SubmapKeyframe newest;
     newest.id = KeyframeId{keyframe};
     newest.stamp = kStart;
@@ -84,6 +82,8 @@ TEST_F(IcpLocalizerTest, AlignsASubmapFromTheStartPose) {
   ASSERT_THAT(answers, SizeIs(1));
   EXPECT_EQ(answers.front().status, LocalizationStatus::kLocalized);
   EXPECT_EQ(answers.front().keyframe, KeyframeId{3});
+  EXPECT_EQ(answers.front().robot, "robot");
+  EXPECT_EQ(answers.front().session, SessionNumber{4});
   EXPECT_EQ(answers.front().map_hash, map_->info().hash);
   EXPECT_LT(local_coordinates(T_map_odom_, answers.front().T_map_body).norm(), 0.005);
 }
@@ -140,13 +140,12 @@ TEST_F(IcpLocalizerTest, NamesWhyItRefuses) {
   EXPECT_EQ(status(T_map_odom_, rough), LocalizationStatus::kPoorFit);
 }
 
-TEST_F(IcpLocalizerTest, IgnoresSubmapsOfAnotherSession) {
+TEST_F(IcpLocalizerTest, ForgetsWhatCameBeforeTheSession) {
   localizer_.submit(submap(3), kStart);
   localizer_.start_session(session(T_map_odom_), kStart);
-  Submap other = submap(4);
-  other.session = SessionNumber{2};
-  localizer_.submit(other, kStart);
-  EXPECT_THAT(localizer_.take_answers(kStart + kTime), IsEmpty());
+  localizer_.submit(submap(4), kStart);
+  localizer_.start_session(session(T_map_odom_), kStart);
+  EXPECT_THAT(localizer_.take_answers(kStart + 2 * kTime), IsEmpty());
 }
 
 }  // namespace
