@@ -60,13 +60,14 @@ DdsOptions read_dds(ConfigReader section, const std::filesystem::path& base) {
   return dds;
 }
 
-/// Only a replay has the control that is aligned once.
+/// Only a replay has the control that is aligned once, and the baseline.
 void expect_playable(const Plan& plan, ConfigReader reader) {
   if (plan.mode != Mode::kDds) return;
   ConfigReader configurations = reader.section("configurations");
   for (const ConfigurationSpec& spec : plan.configurations) {
-    if (!spec.align_once) continue;
-    configurations.section(spec.name).fail("align_once", "only a replay can");
+    if (!spec.align_once && !spec.icp_baseline) continue;
+    configurations.section(spec.name).fail(spec.align_once ? "align_once" : "baseline",
+                                           "only a replay can");
   }
 }
 

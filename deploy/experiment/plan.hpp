@@ -58,6 +58,7 @@ struct ConfigurationSpec {
   std::string yaml;  ///< all values
   bool align_once = false;
   bool odometry_only = false;
+  bool icp_baseline = false;  ///< in place of link and cloud
 };
 
 struct LinkSpec {

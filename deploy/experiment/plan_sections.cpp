@@ -160,6 +160,11 @@ ConfigurationSpec read_configuration_spec(const std::string& name,
   if (spec.align_once && spec.odometry_only) {
     section.fail("align_once", "odometry alone is never aligned");
   }
+  if (section.has("baseline")) {
+    if (section.get<std::string>("baseline") != "icp") section.fail("baseline", "must be icp");
+    if (spec.odometry_only) section.fail("baseline", "odometry alone is never aligned");
+    spec.icp_baseline = true;
+  }
   return spec;
 }
 

@@ -90,6 +90,7 @@ void replay(const Run& run,
     words.insert(words.end(), {"--map", context.inputs->map(run.dataset->map).path.string()});
   }
   if (run.configuration->align_once) words.emplace_back("--align-once");
+  if (run.configuration->icp_baseline) words.insert(words.end(), {"--baseline", "icp"});
   run_program(words, place.folder / "log.txt", stop);
 }
 

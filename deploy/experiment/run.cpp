@@ -32,9 +32,11 @@ std::string identity_of(const Run& run,
         .add("rate", exact_text(plan.dds->rate));
   }
   if (run.configuration->odometry_only) return fingerprint.text();  // the rest has no effect
+  const bool has_link = !run.configuration->icp_baseline;
   return fingerprint.add("map", inputs.map(run.dataset->map).identity)
       .add("align once", run.configuration->align_once ? "yes" : "no")
-      .add("link", link_yaml(run.link->link, run.seed))
+      .add("baseline", run.configuration->icp_baseline ? "icp" : "none")
+      .add("link", link_yaml(has_link ? run.link->link : perfect_link(), run.seed))
       .add("start position error", exact_text(plan.start_error.position_m))
       .add("start yaw error", exact_text(plan.start_error.yaw_deg))
       .text();
@@ -65,6 +67,15 @@ void write_description(const fs::path& folder,
                                       {"exit_status", exit_status},
                                       {"failure", failure}};
   write_text(folder / "run.json", description.dump(2) + "\n");
+}
+
+/// A program that is ended by a signal leaves results of what it has played, and calls it success.
+void expect_whole(const fs::path& folder) {
+  const auto summary = nlohmann::json::parse(text_of(folder / "summary.json"));
+  constexpr int kSignal = -1;
+  if (summary.value("interrupted", false)) {
+    throw ProgramFailed("was interrupted before the end of the dataset", kSignal);
+  }
 }
 
 std::string outcome_line(const fs::path& folder) {
@@ -128,6 +139,7 @@ std::string perform(const Run& run,
   make_folder(finished, [&](const fs::path& part) {
     try {
       play(run, context, {.folder = part, .slot = slot}, stop);
+      expect_whole(part);
       evaluate(part, run, context, stop);
       write_description(part, run, 0, "");
       line = outcome_line(part);

@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "cloud/baseline/icp_localizer.hpp"
 #include "cloud/pool/localizer_pool.hpp"
 #include "deploy/experiment/experiment.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
@@ -23,6 +24,7 @@ void check_configuration(const ConfigReader& config) {
   static_cast<void>(read_keyframe_worker_config(config));
   static_cast<void>(read_cloud_client_config(reader.section("client")));
   static_cast<void>(read_localizer_pool_config(config));
+  static_cast<void>(read_icp_localizer_config(reader.section("icp_baseline")));
 }
 
 std::filesystem::path own_folder() {

@@ -19,27 +19,72 @@ namespace {
 constexpr const char* kRobot = "robot";
 constexpr const char* kLocalizer = "localizer";
 
-/// The far side of the robot's MapLocalizer: link and cloud, in simulated time.
-struct FarSide {
-  FarSide(const ReplayOptions& options, const ReplayConfig& config)
-      : network(options.link),
-        robot_end(network.join_robot(kRobot)),
-        cloud_end(network.join_cloud(kLocalizer)),
-        cloud(LocalizerPool(kLocalizer,
-                            Epoch{1},
-                            std::make_shared<const LaserMap>(load_map(*options.map)),
-                            config.pool),
-              *cloud_end,
-              from_seconds(config.durations.localization_s),
-              thread_cpu_time),
-        client(kRobot, *robot_end, config.client) {}
+/// The far side of the robot's MapLocalizer, in simulated time.
+class FarSide {
+ public:
+  FarSide() = default;
+  virtual ~FarSide() = default;
+  FarSide(const FarSide&) = delete;
+  FarSide& operator=(const FarSide&) = delete;
 
-  MemoryNetwork network;
-  std::unique_ptr<Channel> robot_end;
-  std::unique_ptr<Channel> cloud_end;
-  SimulatedCloud cloud;
-  CloudClient client;
+  [[nodiscard]] virtual MapLocalizer& localizer() = 0;
+  virtual void advance(const PoseEstimate&) {}
+  [[nodiscard]] virtual RunTraffic traffic() const { return {}; }
+  virtual void finish(const std::filesystem::path&) const {}
 };
+
+/// Link and cloud.
+class Cloud final : public FarSide {
+ public:
+  Cloud(const ReplayOptions& options, const ReplayConfig& config)
+      : network_(options.link),
+        robot_end_(network_.join_robot(kRobot)),
+        cloud_end_(network_.join_cloud(kLocalizer)),
+        cloud_(LocalizerPool(kLocalizer,
+                             Epoch{1},
+                             std::make_shared<const LaserMap>(load_map(*options.map)),
+                             config.pool),
+               *cloud_end_,
+               from_seconds(config.durations.localization_s),
+               thread_cpu_time),
+        client_(kRobot, *robot_end_, config.client) {}
+
+  MapLocalizer& localizer() override { return client_; }
+  void advance(const PoseEstimate& pose) override {
+    client_.set_quality(pose.quality);
+    cloud_.advance(pose.stamp);
+  }
+  [[nodiscard]] RunTraffic traffic() const override { return client_.traffic(); }
+  void finish(const std::filesystem::path& out) const override {
+    write_sessions(out / "sessions.json", cloud_.pool().reports());
+  }
+
+ private:
+  MemoryNetwork network_;
+  std::unique_ptr<Channel> robot_end_;
+  std::unique_ptr<Channel> cloud_end_;
+  SimulatedCloud cloud_;
+  CloudClient client_;
+};
+
+class IcpBaseline final : public FarSide {
+ public:
+  IcpBaseline(const ReplayOptions& options, const ReplayConfig& config)
+      : localizer_(std::make_shared<const LaserMap>(load_map(*options.map)),
+                   config.icp,
+                   from_seconds(config.durations.localization_s)) {}
+
+  MapLocalizer& localizer() override { return localizer_; }
+
+ private:
+  IcpLocalizer localizer_;
+};
+
+std::unique_ptr<FarSide> far_side(const ReplayOptions& options, const ReplayConfig& config) {
+  if (!options.map) return nullptr;
+  if (options.icp_baseline) return std::make_unique<IcpBaseline>(options, config);
+  return std::make_unique<Cloud>(options, config);
+}
 
 /// One replay: the parts, and what happens at each item of the dataset.
 class Replay {
@@ -50,7 +95,7 @@ class Replay {
                               .duration_s = options.duration_s,
                               .tracks = options.tracks}),
                options.faults),
-        far_side_(options.map ? std::make_unique<FarSide>(options, config) : nullptr),
+        far_side_(far_side(options, config)),
         back_end_(KeyframeWorker(rectified(input_.reader().calibration()),
                                  input_.reader().imu_noise(),
                                  config.worker,
@@ -63,7 +108,7 @@ class Replay {
                    .align_once = options.align_once},
                   config.pipeline,
                   back_end_,
-                  far_side_ ? &far_side_->client : nullptr,
+                  far_side_ ? &far_side_->localizer() : nullptr,
                   thread_cpu_time),
         recorder_(options.out),
         out_(options.out) {
@@ -76,7 +121,7 @@ class Replay {
   std::optional<DatasetReader::Item> next();
   void take(const ImuSample& sample);
   [[nodiscard]] RunTraffic traffic() const {
-    return far_side_ ? far_side_->client.traffic() : RunTraffic{};
+    return far_side_ ? far_side_->traffic() : RunTraffic{};
   }
 
   FaultInjector input_;
@@ -100,10 +145,7 @@ void Replay::take(const ImuSample& sample) {
   const auto pose = pipeline_.add_imu(sample);
   if (!pose) return;  // refused: neither its content nor its stamp can be trusted
   recorder_.add_imu_rate_pose(*pose);
-  if (far_side_) {
-    far_side_->client.set_quality(pose->quality);
-    far_side_->cloud.advance(pose->stamp);
-  }
+  if (far_side_) far_side_->advance(*pose);
   pipeline_.poll(pose->stamp);
   recorder_.take(pipeline_, traffic());
 }
@@ -126,8 +168,12 @@ void Replay::run(const std::stop_token& stop) {
   }
   recorder_.take(pipeline_, traffic());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  recorder_.finish(pipeline_, traffic(), wall.count(), input_.faults());
-  if (far_side_) write_sessions(out_ / "sessions.json", far_side_->cloud.pool().reports());
+  recorder_.finish(pipeline_,
+                   traffic(),
+                   {.interrupted = stop.stop_requested(),
+                    .wall_s = wall.count(),
+                    .input_faults = input_.faults()});
+  if (far_side_) far_side_->finish(out_);
 }
 
 }  // namespace

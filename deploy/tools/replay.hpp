@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <string>
 
+#include "cloud/baseline/icp_localizer.hpp"
 #include "cloud/pool/localizer_pool.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
@@ -26,6 +27,7 @@ struct ReplayConfig {
   KeyframeWorker::Config worker;
   CloudClient::Config client;
   LocalizerPool::Config pool;
+  IcpLocalizer::Config icp;
   ReplayDurations durations;
 };
 
@@ -40,7 +42,8 @@ struct ReplayOptions {
   LinkConfig link;
   FaultPlan faults;
   bool align_once = false;
-  std::string config;  ///< in force, as YAML; for the run folder
+  bool icp_baseline = false;  ///< in place of the cloud, and without the link
+  std::string config;         ///< in force, as YAML; for the run folder
 };
 
 /// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened. What is

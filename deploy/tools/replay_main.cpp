@@ -52,6 +52,7 @@ ReplayConfig read_config(const ConfigReader& config) {
           .worker = read_keyframe_worker_config(config),
           .client = read_cloud_client_config(reader.section("client")),
           .pool = read_localizer_pool_config(config),
+          .icp = read_icp_localizer_config(reader.section("icp_baseline")),
           .durations = {.back_end_s = durations.positive("back_end_s"),
                         .localization_s = durations.positive("localization_s")}};
 }
@@ -82,6 +83,7 @@ int main(int argc, char** argv) {
     std::string initial_pose;
     std::string faults;
     std::string codec = "full";
+    std::string baseline;
     double duration = 0.0;
     int window = 0;
     CLI::App& app = program.options();
@@ -103,6 +105,10 @@ int main(int argc, char** argv) {
     app.add_flag("--align-once",
                  options.align_once,
                  "a control: fuse the first answer and dead-reckon after it");
+    app.add_option("--baseline",
+                   baseline,
+                   "in place of link and cloud: each submap aligned by itself (icp: PCL's)")
+        ->check(CLI::IsMember({"icp"}));
     app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
     app.add_option("--faults", faults, "YAML: seed, and faults to inject while reading");
     app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
@@ -118,6 +124,7 @@ int main(int argc, char** argv) {
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       options.link = link_config(link);
+      options.icp_baseline = !baseline.empty();
       if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
       const ConfigReader config =
           effective(program, windowed->count() > 0 ? std::optional(window) : std::nullopt);

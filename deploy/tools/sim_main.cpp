@@ -183,13 +183,12 @@ int write_dataset(const Prepared& prepared) {
   std::cout << description(*prepared.motion) << "scene       " << prepared.scene->triangles()
             << " triangles\n"
             << std::flush;
-  print(simulate(*prepared.motion,
-                 *prepared.scene,
-                 prepared.config,
-                 prepared.options,
-                 prepared.termination->token()),
+  const std::stop_token stop = prepared.termination->token();
+  print(simulate(*prepared.motion, *prepared.scene, prepared.config, prepared.options, stop),
         prepared.options);
-  return kSuccess;
+  if (!stop.stop_requested()) return kSuccess;
+  std::cerr << "fleetloc-sim: interrupted, the dataset is not complete\n";
+  return kFailedAtRunTime;
 }
 
 int print_comparison(const Prepared& prepared, const FeatureTracker::Config& front_end) {

@@ -59,7 +59,7 @@ struct RobotNode::Parts {
   void play(const std::stop_token& stop);
   void take(DatasetPlayer::Played played);
   void publish(const PoseEstimate& pose);
-  void finish(double wall_s);
+  void finish(double wall_s, bool interrupted);
 
   RobotId id;
   DdsChannel channel;
@@ -119,12 +119,15 @@ void RobotNode::Parts::play(const std::stop_token& stop) {
 }
 
 // What has been recorded is kept, whatever ended the run.
-void RobotNode::Parts::finish(double wall_s) {
+void RobotNode::Parts::finish(double wall_s, bool interrupted) {
   player.stop();
   recorder.take(pipeline, client.traffic());
   auto faults = player.input().faults();
   if (unpublished > 0) faults["unpublished_poses"] = unpublished;
-  recorder.finish(pipeline, client.traffic(), wall_s, faults);
+  recorder.finish(
+      pipeline,
+      client.traffic(),
+      {.interrupted = interrupted, .wall_s = wall_s, .input_faults = std::move(faults)});
   const CloudClient::Statistics statistics = client.statistics();
   spdlog::info("{}: {} frames, {} keyframes, {} submaps sent, {} answers from {}",
                id,
@@ -143,7 +146,7 @@ void RobotNode::run(const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
   const auto finish = [&] {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    parts_->finish(wall.count());
+    parts_->finish(wall.count(), stop.stop_requested());
   };
   spdlog::info("{}: playing {} frames", parts_->id, parts_->frame_count);
   try {

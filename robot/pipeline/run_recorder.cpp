@@ -34,10 +34,7 @@ void RunRecorder::take(RobotPipeline& pipeline, const RunTraffic& traffic) {
   }
 }
 
-void RunRecorder::finish(const RobotPipeline& pipeline,
-                         const RunTraffic& traffic,
-                         double wall_s,
-                         const std::map<std::string, std::uint64_t>& input_faults) {
+void RunRecorder::finish(const RobotPipeline& pipeline, const RunTraffic& traffic, const End& end) {
   for (const Duration cpu : pipeline.back_end_cpu()) {
     summary_.backend_ms.push_back(1e3 * to_seconds(cpu));
   }
@@ -49,10 +46,11 @@ void RunRecorder::finish(const RobotPipeline& pipeline,
   summary_.downlink_bytes = traffic.downlink_bytes;
   summary_.uplink_wire_bytes = traffic.uplink_wire_bytes;
   summary_.downlink_wire_bytes = traffic.downlink_wire_bytes;
-  summary_.input_faults = input_faults;
+  summary_.interrupted = end.interrupted;
+  summary_.input_faults = end.input_faults;
   for (const auto& [kind, count] : pipeline.faults()) summary_.input_faults[kind] += count;
   summary_.resets = pipeline.resets();
-  summary_.wall_s = wall_s;
+  summary_.wall_s = end.wall_s;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   summary_.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,11 +23,14 @@ class RunRecorder {
   /// Takes the pipeline's outputs since the last call.
   void take(RobotPipeline& pipeline, const RunTraffic& traffic);
 
-  /// `wall_s` and the input's faults are the caller's; processor time and memory are the process's.
-  void finish(const RobotPipeline& pipeline,
-              const RunTraffic& traffic,
-              double wall_s,
-              const std::map<std::string, std::uint64_t>& input_faults);
+  /// How the run ended, and what its caller alone knows.
+  struct End {
+    bool interrupted = false;  ///< before the end of the dataset
+    double wall_s = 0.0;
+    std::map<std::string, std::uint64_t> input_faults;
+  };
+  /// Processor time and memory are the process's.
+  void finish(const RobotPipeline& pipeline, const RunTraffic& traffic, const End& end);
 
  private:
   RunFolder folder_;

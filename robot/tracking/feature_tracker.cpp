@@ -28,6 +28,7 @@ double median(std::vector<double> values) {
 FeatureTracker::Config read_feature_tracker_config(ConfigReader section) {
   return {.corners = read_corner_detection_config(section.section("corners")),
           .flow = read_optical_flow_config(section.section("flow")),
+          .slanted = read_slanted_patch_config(section.section("slanted")),
           .motion = read_motion_check_config(section.section("motion")),
           .stereo = read_stereo_matching_config(section.section("stereo"))};
 }
@@ -39,6 +40,7 @@ FeatureTracker::FeatureTracker(const StereoCalibration& calibration, const Confi
       matcher_(stereo_,
                RectifiedCamera(calibration.cam1, calibration.T_body_cam1.R, stereo_),
                config.flow,
+               config.slanted,
                config.stereo),
       R_left_previous_(Eigen::Quaterniond::Identity()),
       translation_m_(Eigen::Vector3d::Zero()) {}
@@ -97,15 +99,27 @@ void FeatureTracker::follow_tracks(const ImagePyramid& left,
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!moved[i]) continue;
-    const auto rectified = left_camera_.rectify(*moved[i]);
+    const cv::Point2f pixel = refined(left, tracks_[i].left, *moved[i]);
+    const auto rectified = left_camera_.rectify(pixel);
     if (!rectified) continue;
     correspondences.push_back({tracks_[i].rectified, *rectified, tracks_[i].disparity});
-    followed.push_back({tracks_[i].landmark, *moved[i], *rectified, tracks_[i].disparity});
+    followed.push_back({tracks_[i].landmark, pixel, *rectified, tracks_[i].disparity});
   }
   diagnostics_.followed = static_cast<int>(followed.size());
   diagnostics_.lost = static_cast<int>(tracks_.size() - followed.size());
   const auto checked = check_motion(correspondences, stereo_, prediction, config_.motion);
   keep_rigid(std::move(followed), correspondences, checked);
+}
+
+/// Along its flow, which is what changes most over a patch that comes nearer.
+cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
+                                    const cv::Point2f& before,
+                                    const cv::Point2f& now) const {
+  const Eigen::Vector2f flow(now.x - before.x, now.y - before.y);
+  if (flow.norm() < static_cast<float>(config_.flow.slope_from_px)) return now;
+  const SlantedLine line{
+      .start = now, .direction = flow.normalized(), .slope_sigma = config_.flow.slope_sigma};
+  return match_slanted(left_.image(), left.image(), before, line, config_.slanted).value_or(now);
 }
 
 /// Keeps what moved with the scene, each with the disparity that it is now to be expected at.

@@ -34,6 +34,7 @@ class FeatureTracker {
   struct Config {
     CornerDetectionConfig corners;
     OpticalFlowConfig flow;
+    SlantedPatchConfig slanted;  ///< refines flow and stereo
     MotionCheckConfig motion;
     StereoMatchingConfig stereo;
   };
@@ -69,6 +70,9 @@ class FeatureTracker {
   void add_corners(const cv::Mat& left);
   [[nodiscard]] Pose predict_motion(const Eigen::Quaterniond& R_previous_current) const;
   [[nodiscard]] cv::Point2f predict_pixel(const Track& track, const Pose& T) const;
+  [[nodiscard]] cv::Point2f refined(const ImagePyramid& left,
+                                    const cv::Point2f& before,
+                                    const cv::Point2f& now) const;
   [[nodiscard]] TrackedFrame observe(Timestamp stamp) const;
 
   Config config_;

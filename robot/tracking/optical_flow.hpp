@@ -15,6 +15,8 @@ struct OpticalFlowConfig {
   int iterations;        ///< at most, per level
   double converged_px;   ///< step below which an iteration ends
   double round_trip_px;  ///< a point must come back this close to where it started
+  double slope_sigma;    ///< by which the flow changes along its direction [px per px]
+  double slope_from_px;  ///< shorter flows are taken as they are
 };
 
 OpticalFlowConfig read_optical_flow_config(ConfigReader section);

@@ -59,17 +59,21 @@ StereoMatchingConfig read_stereo_matching_config(ConfigReader section) {
           .row_error_px = section.positive("row_error_px"),
           .least_disparity_px = section.positive("least_disparity_px"),
           .nearest_m = section.positive("nearest_m"),
-          .least_correlation = section.positive("least_correlation")};
+          .least_correlation = section.positive("least_correlation"),
+          .slant_sigma = section.positive("slant_sigma")};
 }
 
 StereoMatcher::StereoMatcher(const RectifiedStereo& stereo,
                              RectifiedCamera right_camera,
                              const OpticalFlowConfig& flow,
+                             const SlantedPatchConfig& slanted,
                              const StereoMatchingConfig& config)
     : right_camera_(std::move(right_camera)),
       flow_(flow),
+      slanted_(slanted),
       config_(config),
-      most_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m) {
+      most_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m),
+      focal_px_(stereo.focal_px) {
   flow_.levels = config.levels;
   flow_.round_trip_px = config.round_trip_px;
 }
@@ -100,6 +104,25 @@ double StereoMatcher::search(const ImagePyramid& left,
   return best_disparity;
 }
 
+cv::Point2f StereoMatcher::refined(const ImagePyramid& left,
+                                   const ImagePyramid& right,
+                                   const StereoQuery& query,
+                                   const cv::Point2f& match) const {
+  const auto rectified = right_camera_.rectify(match);
+  if (!rectified) return match;
+  const auto further = right_camera_.distort(*rectified + Eigen::Vector2d::UnitX());
+  if (!further) return match;
+  const double disparity = query.rectified.x() - rectified->x();
+  if (disparity < config_.least_disparity_px) return match;
+  const Eigen::Vector2f along(further->x - match.x, further->y - match.y);
+  // On a plane through a point the disparity changes by its share of the focal length, times the
+  // tangent of the slant, per pixel.
+  const SlantedLine row{.start = match,
+                        .direction = along.normalized(),
+                        .slope_sigma = config_.slant_sigma * disparity / focal_px_};
+  return match_slanted(left.image(), right.image(), query.left, row, slanted_).value_or(match);
+}
+
 std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
                                               const ImagePyramid& right,
                                               const std::vector<StereoQuery>& queries) const {
@@ -120,7 +143,8 @@ std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
   const auto found = follow(left, right, points, starts, flow_);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!found[k]) continue;
-    const auto rectified = right_camera_.rectify(*found[k]);
+    const auto rectified =
+        right_camera_.rectify(refined(left, right, queries[indices[k]], *found[k]));
     if (!rectified) continue;
     const Eigen::Vector2d difference = queries[indices[k]].rectified - *rectified;
     const bool plausible = std::abs(difference.y()) <= config_.row_error_px &&

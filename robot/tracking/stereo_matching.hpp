@@ -4,6 +4,7 @@
 
 #include "robot/tracking/optical_flow.hpp"
 #include "robot/tracking/rectified_camera.hpp"
+#include "robot/tracking/slanted_patch.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -15,6 +16,7 @@ struct StereoMatchingConfig {
   double least_disparity_px;  ///< farther points count as not seen by the right camera
   double nearest_m;           ///< no point is nearer
   double least_correlation;   ///< of the search without a prediction, 0 to 1
+  double slant_sigma;         ///< tangent of the angle by which a surface does not face the camera
 };
 
 StereoMatchingConfig read_stereo_matching_config(ConfigReader section);
@@ -37,6 +39,7 @@ class StereoMatcher {
   StereoMatcher(const RectifiedStereo& stereo,
                 RectifiedCamera right_camera,
                 const OpticalFlowConfig& flow,
+                const SlantedPatchConfig& slanted,
                 const StereoMatchingConfig& config);
 
   [[nodiscard]] std::vector<StereoMatch> match(const ImagePyramid& left,
@@ -51,10 +54,18 @@ class StereoMatcher {
                               const ImagePyramid& right,
                               const StereoQuery& query) const;
 
+  /// Along the row. The match itself where that does not succeed.
+  [[nodiscard]] cv::Point2f refined(const ImagePyramid& left,
+                                    const ImagePyramid& right,
+                                    const StereoQuery& query,
+                                    const cv::Point2f& match) const;
+
   RectifiedCamera right_camera_;
   OpticalFlowConfig flow_;
+  SlantedPatchConfig slanted_;
   StereoMatchingConfig config_;
   double most_disparity_px_;
+  double focal_px_;
 };
 
 }  // namespace fleetloc

@@ -7,7 +7,7 @@ set(FLEETLOC_LAYERS
     "shared/model shared/link"
     "shared/factors shared/wire shared/transport shared/trajectory shared/dataset shared/pointcloud"
     "shared/protocol shared/run_folder robot/tracking robot/inertial cloud/laser_map shared/simulation shared/motion shared/world"
-    "robot/vio robot/submap robot/fusion cloud/localizer cloud/mapping shared/sensors deploy/report"
+    "robot/vio robot/submap robot/fusion cloud/baseline cloud/localizer cloud/mapping shared/sensors deploy/report"
     "robot/pipeline robot/cloud_client cloud/pool deploy/monitor deploy/experiment"
     "robot/node cloud/node deploy/tools")
 

@@ -9,25 +9,13 @@
 #include <fstream>
 
 #include <pcl/PCLPointCloud2.h>
-#include <pcl/console/print.h>
 #include <pcl/io/pcd_io.h>
 
 #include "shared/pointcloud/ply_file.hpp"
+#include "shared/pointcloud/quiet_pcl.hpp"
 
 namespace fleetloc {
 namespace {
-
-/// PCL prints what goes wrong; the exception says it already.
-class QuietPcl {
- public:
-  QuietPcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
-  ~QuietPcl() { pcl::console::setVerbosityLevel(before_); }
-  QuietPcl(const QuietPcl&) = delete;
-  QuietPcl& operator=(const QuietPcl&) = delete;
-
- private:
-  pcl::console::VERBOSITY_LEVEL before_ = pcl::console::getVerbosityLevel();
-};
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
   throw PointCloudError(file.string() + ": " + reason);

@@ -63,6 +63,7 @@ struct RunSummary {
   std::uint64_t downlink_wire_bytes = 0;
   std::uint64_t resets = 0;
   std::map<std::string, std::uint64_t> input_faults;  ///< of the dataset, by kind
+  bool interrupted = false;  ///< by a signal, before the end of the dataset
   double wall_s = 0.0;
   double cpu_s = 0.0;
   std::vector<double> decode_ms;    ///< of each frame

@@ -41,6 +41,7 @@ json to_json(const RunSummary& summary, const RunTimes& times) {
           {"downlink_bytes", summary.downlink_bytes},
           {"uplink_wire_bytes", summary.uplink_wire_bytes},
           {"downlink_wire_bytes", summary.downlink_wire_bytes},
+          {"interrupted", summary.interrupted},
           {"duration_s", times.duration_s},
           {"wall_s", summary.wall_s},
           {"cpu_s", summary.cpu_s},

@@ -104,6 +104,16 @@ TEST_F(PlanFile, NeedsToKnowTheNetworkOfRunsOverDds) {
   expect_refused("mode: replay", "mode: dds", "1: dds", "missing");
   EXPECT_THAT([&] { read_text(with(dds, "default: {}", "default: {align_once: true}")); },
               ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
+  EXPECT_THAT([&] { read_text(with(dds, "default: {}", "default: {baseline: icp}")); },
+              ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
+}
+
+TEST_F(PlanFile, KnowsOneBaseline) {
+  EXPECT_TRUE(read_text(with(small_plan(), "default: {}", "default: {baseline: icp}"))
+                  .configurations.front()
+                  .icp_baseline);
+  expect_refused(
+      "default: {}", "default: {baseline: gicp}", "8: configurations.default.baseline", "icp");
 }
 
 TEST_F(PlanFile, IsRefusedForWhatTheProgramsWouldRefuse) {

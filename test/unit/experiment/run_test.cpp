@@ -81,8 +81,16 @@ TEST_F(ExperimentRun, IsAnotherOneForAnyOtherInput) {
   expect_changed("mode: replay", "mode: replay\nstart_error: {position_m: 1, yaw_deg: 3}");
   expect_changed("default: {}", "default: {config: {localizer: {window: 11}}}");
   expect_changed("default: {}", "default: {align_once: true}");
+  expect_changed("default: {}", "default: {baseline: icp}");
   expect_changed("ideal: {}", "ideal: {loss: 0.1}");
   expect_changed("[1, 2]", "[3, 2]");
+}
+
+TEST_F(ExperimentRun, OfTheBaselineDependsOnNoLink) {
+  const std::string icp = with(small_plan(), "default: {}", "default: {baseline: icp}");
+  EXPECT_EQ(identities(icp).front(),
+            identities(with(icp, "ideal: {}", "ideal: {loss: 0.1}")).front());
+  EXPECT_NE(identities(icp).front(), identities(with(icp, "[1, 2]", "[3, 2]")).front());
 }
 
 TEST_F(ExperimentRun, IsTheSameUnderAnotherName) {
@@ -128,6 +136,12 @@ TEST_F(ExperimentRun, ThatFailedIsToldFromOneThatEndedWell) {
   EXPECT_EQ(performed(fake_programs("echo no map >&2; exit 4")), "failed: no map|failed");
   // Made again, well, nothing is left of the failure but under another program's hash.
   EXPECT_THAT(performed(fake_programs()), HasSubstr("|finished"));
+}
+
+TEST_F(ExperimentRun, HasFailedWhereItsProgramWasInterrupted) {
+  const Programs programs =
+      fake_programs("echo '{\"coverage\": 0.5, \"interrupted\": true}' > $out/summary.json");
+  EXPECT_EQ(performed(programs), "failed: was interrupted before the end of the dataset|failed");
 }
 
 TEST_F(ExperimentRun, LeavesNothingWhenItIsInterrupted) {

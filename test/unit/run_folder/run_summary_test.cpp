@@ -29,6 +29,7 @@ TEST_F(Summary, HasEveryKeyEvenOfARunWithoutFrames) {
                           "downlink_bytes",
                           "uplink_wire_bytes",
                           "downlink_wire_bytes",
+                          "interrupted",
                           "duration_s",
                           "wall_s",
                           "cpu_s",

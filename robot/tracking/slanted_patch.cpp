@@ -1,0 +1,131 @@
+#include "robot/tracking/slanted_patch.hpp"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace fleetloc {
+namespace {
+
+constexpr int kMostRadius = 10;
+constexpr float kLeastTexture = 100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
+constexpr std::size_t kMostPixels = (2 * kMostRadius + 1) * (2 * kMostRadius + 1);
+
+/// Bilinear; the pixel and its next ones must lie in the image.
+float sampled(const cv::Mat& image, float x, float y) {
+  const int column = static_cast<int>(x);
+  const int row = static_cast<int>(y);
+  const float a = x - static_cast<float>(column);
+  const float b = y - static_cast<float>(row);
+  const auto* upper = image.ptr<unsigned char>(row) + column;
+  const auto* lower = image.ptr<unsigned char>(row + 1) + column;
+  const float above = static_cast<float>(upper[0]) + a * static_cast<float>(upper[1] - upper[0]);
+  const float below = static_cast<float>(lower[0]) + a * static_cast<float>(lower[1] - lower[0]);
+  return above + b * (below - above);
+}
+
+/// Everything within `reach_px` can be sampled.
+bool is_inside(const cv::Mat& image, const cv::Point2f& point, float reach_px) {
+  const auto right = static_cast<float>(image.cols - 1);
+  const auto bottom = static_cast<float>(image.rows - 1);
+  return point.x >= reach_px && point.y >= reach_px && point.x + reach_px < right &&
+         point.y + reach_px < bottom;
+}
+
+/// Shift along the line at the patch's middle, its slopes along columns and rows, and a difference
+/// of brightness.
+using Unknowns = Eigen::Vector4f;
+
+/// A patch of the first image, with what each of its pixels says of the unknowns.
+struct Template {
+  std::array<float, kMostPixels> gray{};
+  std::array<Unknowns, kMostPixels> J;
+  Eigen::Matrix4f H = Eigen::Matrix4f::Zero();
+
+  Template(const cv::Mat& image,
+           const cv::Point2f& point,
+           const Eigen::Vector2f& direction,
+           int radius) {
+    std::size_t i = 0;
+    for (int y = -radius; y <= radius; ++y) {
+      for (int x = -radius; x <= radius; ++x, ++i) {
+        const auto dx = static_cast<float>(x);
+        const auto dy = static_cast<float>(y);
+        const float u = point.x + dx;
+        const float v = point.y + dy;
+        gray[i] = sampled(image, u, v);
+        const Eigen::Vector2f gradient(
+            0.5F * (sampled(image, u + 1.0F, v) - sampled(image, u - 1.0F, v)),
+            0.5F * (sampled(image, u, v + 1.0F) - sampled(image, u, v - 1.0F)));
+        const float along = gradient.dot(direction);
+        J[i] = Unknowns(along, along * dx, along * dy, 1.0F);
+        H += J[i] * J[i].transpose();
+      }
+    }
+  }
+};
+
+/// J' (second image - first image), where the second is seen with the unknowns as they are.
+std::optional<Unknowns> gradient_at(const Template& patch,
+                                    const cv::Mat& to,
+                                    const cv::Point2f& start,
+                                    const Eigen::Vector2f& direction,
+                                    const Unknowns& now,
+                                    int radius) {
+  Unknowns sum = Unknowns::Zero();
+  std::size_t i = 0;
+  for (int y = -radius; y <= radius; ++y) {
+    for (int x = -radius; x <= radius; ++x, ++i) {
+      const auto dx = static_cast<float>(x);
+      const auto dy = static_cast<float>(y);
+      const float shift = now[0] + now[1] * dx + now[2] * dy;
+      const cv::Point2f at(start.x + dx + shift * direction.x(),
+                           start.y + dy + shift * direction.y());
+      if (!is_inside(to, at, 0.0F)) return std::nullopt;
+      sum += (sampled(to, at.x, at.y) + now[3] - patch.gray[i]) * patch.J[i];
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+SlantedPatchConfig read_slanted_patch_config(ConfigReader section) {
+  return {.radius_px = section.integer("radius_px", 2, kMostRadius),
+          .iterations = section.integer("iterations", 1, 100),
+          .converged_px = section.positive("converged_px"),
+          .most_px = section.positive("most_px"),
+          .gray_sigma = section.positive("gray_sigma")};
+}
+
+std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
+                                         const cv::Mat& to,
+                                         const cv::Point2f& point,
+                                         const SlantedLine& line,
+                                         const SlantedPatchConfig& config) {
+  const auto& [start, direction, slope_sigma] = line;
+  const int radius = config.radius_px;
+  if (!is_inside(from, point, static_cast<float>(radius + 1))) return std::nullopt;
+  const Template patch(from, point, direction, radius);
+  if (patch.H(0, 0) < kLeastTexture) return std::nullopt;
+  const auto slope_weight = static_cast<float>(std::pow(config.gray_sigma / slope_sigma, 2));
+  Eigen::Matrix4f H = patch.H;
+  H(1, 1) += slope_weight;
+  H(2, 2) += slope_weight;
+  const Eigen::LDLT<Eigen::Matrix4f> solver(H);
+  Unknowns now = Unknowns::Zero();
+  for (int i = 0; i < config.iterations; ++i) {
+    auto g = gradient_at(patch, to, start, direction, now, radius);
+    if (!g) return std::nullopt;
+    g->segment<2>(1) += slope_weight * now.segment<2>(1);
+    const Unknowns step = solver.solve(*g);
+    now -= step;
+    if (!(std::abs(now[0]) <= static_cast<float>(config.most_px))) return std::nullopt;
+    if (std::abs(step[0]) >= static_cast<float>(config.converged_px)) continue;
+    return cv::Point2f(start.x + now[0] * direction.x(), start.y + now[0] * direction.y());
+  }
+  return std::nullopt;
+}
+
+}  // namespace fleetloc
