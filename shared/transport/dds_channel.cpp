@@ -7,7 +7,6 @@
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/peer_lookup.hpp"
 #include "shared/transport/renewal_policy.hpp"
 
 namespace fleetloc {
@@ -20,6 +19,7 @@ constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any 
 constexpr std::size_t kMostEvents = 100;      // nobody reads them
 constexpr milliseconds kLook{1000};           // at the network, without being told of a change
 constexpr milliseconds kLookAgain{50};        // while it changes
+constexpr milliseconds kFirstLookup{500};     // of peers, that a program's start waits for
 
 void check(const std::string& partition) {
   if (partition.empty() || is_valid_id(partition)) return;
@@ -31,7 +31,8 @@ void check(const std::string& partition) {
 DdsChannel::DdsChannel(const Config& config)
     : config_(config),
       wire_(std::make_shared<WireLink>(config.role, config.link)),
-      connection_(connect({})),
+      lookup_(named_peers(config.participant_profile)),
+      connection_(connect({.identity = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
 std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantStart& start) {
@@ -139,15 +140,13 @@ void DdsChannel::watch(const std::stop_token& stop) {
   ParticipantStart start{.identity = first.identity(), .peers = first.peers()};
   RenewalPolicy policy(first.lease());
   policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
-  PeerLookup lookup(named_peers(config_.participant_profile));
   bool was_cut_off = false;
   while (!stop.stop_requested()) {
     const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
     policy.lost(lost, Clock::now());
-    policy.observe(
-        interface_addresses(whitelist), wire_->traffic().received_datagrams, Clock::now());
-    if (const auto found = lookup.take()) policy.found(*found, Clock::now());
-    if (policy.wants_lookup(Clock::now())) lookup.start();
+    policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
+    if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
+    if (policy.wants_lookup(Clock::now())) lookup_.start();
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
     was_cut_off = policy.is_cut_off();
     const auto reason = policy.due(Clock::now());

@@ -16,6 +16,7 @@
 #include "shared/link/channel.hpp"
 #include "shared/transport/dds_connection.hpp"
 #include "shared/transport/network_addresses.hpp"
+#include "shared/transport/peer_lookup.hpp"
 
 namespace fleetloc {
 
@@ -77,6 +78,7 @@ class DdsChannel final : public Channel {
   Config config_;
   std::shared_ptr<WireLink> wire_;
   AddressWatch addresses_;
+  PeerLookup lookup_;
   mutable std::mutex mutex_;  // guards what follows, up to the statistics; never held for long
   std::condition_variable arrived_;
   std::deque<Message> inbox_;

@@ -1,23 +1,51 @@
 #include "shared/transport/peer_lookup.hpp"
 
-#include <chrono>
 #include <thread>
 #include <utility>
 
 namespace fleetloc {
 
+PeerLookup::PeerLookup(const std::vector<NamedPeer>& peers) {
+  for (const NamedPeer& peer : peers) {
+    searches_.push_back({.peer = peer, .under_way = {}, .found = {}});
+  }
+}
+
 void PeerLookup::start() {
-  if (peers_.empty() || found_.valid()) return;
-  std::packaged_task<FoundPeers()> task([peers = peers_] { return look_up(peers); });
-  found_ = task.get_future();
-  std::thread(std::move(task)).detach();
+  for (Search& search : searches_) {
+    if (search.under_way.valid()) continue;
+    std::packaged_task<FoundPeers()> task([peer = search.peer] { return look_up(peer); });
+    search.under_way = task.get_future();
+    std::thread(std::move(task)).detach();
+  }
 }
 
 std::optional<FoundPeers> PeerLookup::take() {
-  const bool ready =
-      found_.valid() && found_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  if (!ready) return std::nullopt;
-  return found_.get();
+  bool ended = false;
+  for (Search& search : searches_) {
+    const bool ready =
+        search.under_way.valid() &&
+        search.under_way.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!ready) continue;
+    ended = true;
+    FoundPeers found = search.under_way.get();
+    if (!found.empty()) search.found = std::move(found);
+  }
+  return ended ? std::optional(found()) : std::nullopt;
+}
+
+FoundPeers PeerLookup::find(std::chrono::milliseconds patience) {
+  start();
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  for (const Search& search : searches_) search.under_way.wait_until(deadline);
+  static_cast<void>(take());
+  return found();
+}
+
+FoundPeers PeerLookup::found() const {
+  FoundPeers all;
+  for (const Search& search : searches_) all.insert(search.found.begin(), search.found.end());
+  return all;
 }
 
 }  // namespace fleetloc

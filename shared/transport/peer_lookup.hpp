@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <optional>
 #include <vector>
@@ -8,20 +9,30 @@
 
 namespace fleetloc {
 
-/// Looks peers up without keeping anyone waiting. A lookup that is under way when this object ends
-/// goes on behind it: the system cannot be told to stop.
+/// Looks peers up, all at once: where names are not known, or name servers cannot be reached, that
+/// takes many seconds. A lookup that is under way when this object ends goes on behind it, since
+/// the system cannot be told to stop.
 class PeerLookup {
  public:
-  explicit PeerLookup(std::vector<NamedPeer> peers) : peers_(std::move(peers)) {}
+  explicit PeerLookup(const std::vector<NamedPeer>& peers);
 
-  /// Unless there is nothing to look up, or a lookup is under way.
+  /// Begins to look for those that are not being looked for.
   void start();
-  /// What the last one has found, once.
+  /// All that has been found so far, if a lookup has ended since the last call. A peer that is not
+  /// found any more is where it was.
   std::optional<FoundPeers> take();
+  /// What is found in that time.
+  FoundPeers find(std::chrono::milliseconds patience);
 
  private:
-  std::vector<NamedPeer> peers_;
-  std::future<FoundPeers> found_;
+  struct Search {
+    NamedPeer peer;
+    std::future<FoundPeers> under_way;
+    FoundPeers found;
+  };
+  [[nodiscard]] FoundPeers found() const;
+
+  std::vector<Search> searches_;
 };
 
 }  // namespace fleetloc

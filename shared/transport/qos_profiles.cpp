@@ -195,22 +195,20 @@ std::vector<NamedPeer> named_peers(const std::string& participant_profile) {
   return found == registry().named_peers.end() ? std::vector<NamedPeer>() : found->second;
 }
 
-FoundPeers look_up(const std::vector<NamedPeer>& peers) {
+FoundPeers look_up(const NamedPeer& peer) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* first = nullptr;
+  if (getaddrinfo(peer.host.c_str(), nullptr, &hints, &first) != 0) return {};
   FoundPeers found;
-  for (const NamedPeer& peer : peers) {
-    addrinfo hints{};
-    hints.ai_family = AF_INET;
-    hints.ai_socktype = SOCK_DGRAM;
-    addrinfo* first = nullptr;
-    if (getaddrinfo(peer.host.c_str(), nullptr, &hints, &first) != 0) continue;
-    for (const addrinfo* it = first; it != nullptr; it = it->ai_next) {
-      std::array<char, INET_ADDRSTRLEN> text{};
-      const auto& address = reinterpret_cast<const sockaddr_in&>(*it->ai_addr);
-      inet_ntop(AF_INET, &address.sin_addr, text.data(), static_cast<socklen_t>(text.size()));
-      found.insert({.peer = peer, .address = text.data()});
-    }
-    freeaddrinfo(first);
+  for (const addrinfo* it = first; it != nullptr; it = it->ai_next) {
+    std::array<char, INET_ADDRSTRLEN> text{};
+    const auto& address = reinterpret_cast<const sockaddr_in&>(*it->ai_addr);
+    inet_ntop(AF_INET, &address.sin_addr, text.data(), static_cast<socklen_t>(text.size()));
+    found.insert({.peer = peer, .address = text.data()});
   }
+  freeaddrinfo(first);
   return found;
 }
 

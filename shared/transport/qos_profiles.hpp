@@ -39,8 +39,8 @@ struct FoundPeer {
 };
 using FoundPeers = std::set<FoundPeer>;
 
-/// All IPv4 addresses. Hosts that are not known are left out. Waits for the name servers, which can
-/// take many seconds.
-FoundPeers look_up(const std::vector<NamedPeer>& peers);
+/// At all IPv4 addresses of its host; none if that is not known. Waits for the name servers, which
+/// can take many seconds.
+FoundPeers look_up(const NamedPeer& peer);
 
 }  // namespace fleetloc

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/transport/participant.hpp"
+#include "shared/transport/peer_lookup.hpp"
 #include "test/test_folder.hpp"
 #include "test/transport/test_network.hpp"
 
@@ -87,7 +88,7 @@ TEST_F(QosProfilesTest, NamePeersAndServersByHostsThatNeedNotExistYet) {
   const NamedPeer nobody{.host = "nobody.invalid", .port = 7500, .server_prefix = {}};
   const NamedPeer here{.host = "localhost", .port = 0, .server_prefix = {}};
   EXPECT_THAT(named_peers("with_peers"), ElementsAre(nobody, here));
-  EXPECT_THAT(look_up(named_peers("with_peers")),
+  EXPECT_THAT(PeerLookup(named_peers("with_peers")).find(kPatience),
               ElementsAre(FoundPeer{.peer = here, .address = "127.0.0.1"}));
   EXPECT_THAT(named_peers("loopback"), IsEmpty());
   dds::DomainParticipantQos qos;

@@ -51,8 +51,10 @@ TEST_F(RenewalPolicyTest, KeepsAParticipantWhoseNetworkStays) {
   EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
 }
 
-TEST_F(RenewalPolicyTest, KeepsAParticipantThatHasNeverHeardAnyone) {
-  EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
+TEST_F(RenewalPolicyTest, MakesOneNowAndThenWhereNobodyHasEverBeenHeard) {
+  EXPECT_EQ(watch(seconds(19), kHome), 0);
+  EXPECT_EQ(watch(seconds(2), kHome), 1);
+  EXPECT_LT(watch(std::chrono::hours(1), kHome), 12);
 }
 
 TEST_F(RenewalPolicyTest, MakesOneSoonAfterAnotherAddressAndOnlyOne) {

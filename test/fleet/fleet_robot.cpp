@@ -1,0 +1,118 @@
+// One robot of a fleet, without cameras: the real client of the cloud on a real participant. It
+// opens a session, tells its localizer of itself, and measures what the network costs.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "robot/cloud_client/cloud_client.hpp"
+#include "shared/concurrency/termination.hpp"
+#include "shared/config/program.hpp"
+#include "shared/transport/dds_channel.hpp"
+
+namespace {
+
+using namespace fleetloc;
+using Clock = std::chrono::steady_clock;
+using std::chrono::duration;
+
+struct Options {
+  std::string id, qos;
+  std::uint32_t domain = 0;
+  double start_s = 12.0;
+  double settled_s = 60.0;
+  double rest_s = 30.0;
+};
+
+RobotSession session_of(const std::string& robot) {
+  RobotSession session;
+  session.robot = robot;
+  session.session = SessionNumber{1};
+  session.start_stamp = Timestamp{std::chrono::system_clock::now().time_since_epoch()};
+  session.stereo = {
+      .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
+  return session;
+}
+
+Timestamp steady_now() {
+  return Timestamp{Clock::now().time_since_epoch()};
+}
+
+class FleetRobot {
+ public:
+  FleetRobot(const Options& options, const CloudClient::Config& config)
+      : options_(options),
+        channel_({.domain = options.domain,
+                  .participant_profile = "robot",
+                  .role = ChannelRole::kRobot,
+                  .name = options.id,
+                  .link = {}}),
+        client_(options.id, channel_, config) {}
+
+  /// Prints a line: id, bytes up and down in the first `start_s`, bytes per second up and down at
+  /// rest, and when a localizer was found [s], negative if never.
+  void run(const std::stop_token& stop) {
+    client_.start_session(session_of(options_.id), steady_now());
+    const ChannelStatistics start = after(options_.start_s, stop);
+    const ChannelStatistics settled = after(options_.settled_s, stop);
+    const ChannelStatistics end = after(options_.settled_s + options_.rest_s, stop);
+    std::printf(
+        "%s %.0f %.0f %.1f %.1f %.2f\n",
+        options_.id.c_str(),
+        static_cast<double>(start.sent_wire_bytes),
+        static_cast<double>(start.received_wire_bytes),
+        static_cast<double>(end.sent_wire_bytes - settled.sent_wire_bytes) / options_.rest_s,
+        static_cast<double>(end.received_wire_bytes - settled.received_wire_bytes) /
+            options_.rest_s,
+        found_s_);
+  }
+
+ private:
+  [[nodiscard]] double age() const { return duration<double>(Clock::now() - begin_).count(); }
+
+  // Lives on until then.
+  ChannelStatistics after(double age_s, const std::stop_token& stop) {
+    constexpr std::chrono::milliseconds kCycle{50};
+    while (age() < age_s && !stop.stop_requested()) {
+      channel_.wait_for_message(kCycle);
+      static_cast<void>(client_.take_answers(steady_now()));
+      static_cast<void>(client_.take_events());
+      if (found_s_ < 0.0 && !client_.statistics().localizer.empty()) found_s_ = age();
+    }
+    return channel_.statistics();
+  }
+
+  Options options_;
+  Clock::time_point begin_ = Clock::now();
+  double found_s_ = -1.0;
+  DdsChannel channel_;
+  CloudClient client_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return guarded([&] {
+    Program program("fleet_robot", "One robot of a fleet, without cameras.", "everything");
+    Options options;
+    CLI::App& app = program.options();
+    app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
+    app.add_option("--qos", options.qos, "QoS profiles")->required();
+    app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
+    app.add_option("--start", options.start_s, "seconds that count as the start");
+    app.add_option("--settled", options.settled_s, "age from which on it is at rest [s]");
+    app.add_option("--rest", options.rest_s, "seconds at rest");
+    return program.run(argc, argv, [&] {
+      auto termination = std::make_shared<Termination>();  // before any thread
+      load_qos_profiles(options.qos);
+      auto robot = std::make_shared<FleetRobot>(
+          options, read_cloud_client_config(program.config().section("client")));
+      return [robot, termination] {
+        robot->run(termination->token());
+        return static_cast<int>(kSuccess);
+      };
+    });
+  });
+}
