@@ -14,8 +14,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kWorstConditioned = 1e-8;  // of a landmark that the robot places at all
-constexpr double kFarthestMetres = 60.0;    // from the anchor: what a message can hold
+constexpr double kFarthestMetres = 60.0;  // from the anchor: what a message can hold
 
 using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
@@ -24,10 +23,11 @@ struct Candidate {
   double gain = 0.0;  // of information by the map if the poses were known: the determinants' ratio
 };
 
-bool is_placed_by_robot(const WindowSystem::Landmark& landmark) {
+// Of a landmark that the robot itself places only roughly, the nearest surface may be another one.
+bool is_placed_by_robot(const WindowSystem::Landmark& landmark, double max_sigma_m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(landmark.H_robot,
                                                              Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()(0) > kWorstConditioned * eigen.eigenvalues()(2);
+  return eigen.eigenvalues()(0) * max_sigma_m * max_sigma_m >= 1.0;
 }
 
 int newest_observer(const WindowSystem::Landmark& landmark) {
@@ -49,15 +49,16 @@ int oldest_observer(const WindowSystem::Landmark& landmark) {
 // Increasing by id.
 std::vector<const WindowSystem::Landmark*> candidates(const WindowSystem& system,
                                                       int first_keyframe,
-                                                      std::size_t most) {
+                                                      const CorrectionConfig& config) {
   std::vector<Candidate> found;
   for (const WindowSystem::Landmark& landmark : system.landmarks) {
     if (!landmark.is_matched || newest_observer(landmark) < first_keyframe) continue;
     if ((landmark.p_map - system.T_map_body.back().p).norm() > kFarthestMetres) continue;
-    if (!is_placed_by_robot(landmark)) continue;
+    if (!is_placed_by_robot(landmark, config.max_landmark_sigma_m)) continue;
     found.push_back(
         {&landmark, landmark.equations.H.determinant() / landmark.H_robot.determinant()});
   }
+  const auto most = 2 * static_cast<std::size_t>(config.max_landmarks);
   if (found.size() > most) {
     std::ranges::stable_sort(found, std::greater<>{}, &Candidate::gain);
     found.resize(most);
@@ -168,8 +169,7 @@ std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
                                                     const CorrectionConfig& config) {
   const auto count = static_cast<int>(system.keyframes.size());
   const int first = std::max(0, count - config.keyframes);
-  const auto landmarks =
-      candidates(system, first, 2 * static_cast<std::size_t>(config.max_landmarks));
+  const auto landmarks = candidates(system, first, config);
   int oldest = first;
   for (const auto* landmark : landmarks) oldest = std::min(oldest, oldest_observer(*landmark));
   const auto of_robot = covariance_of_robot(system, oldest);
@@ -236,6 +236,7 @@ Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionCo
 CorrectionConfig read_correction_config(ConfigReader section) {
   return {.keyframes = section.integer("keyframes", 2, 17),
           .max_landmarks = section.integer("max_landmarks", 0, 128),
+          .max_landmark_sigma_m = section.positive("max_landmark_sigma_m"),
           .least_gain = section.positive("least_gain"),
           .pose_floor_rad = section.positive("pose_floor_rad"),
           .pose_floor_m = section.positive("pose_floor_m"),
