@@ -146,8 +146,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
     policy.lost(lost, Clock::now());
-    policy.observe(
-        interface_addresses(whitelist), wire_->traffic().received_datagrams, Clock::now());
+    policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
     if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
     if (policy.wants_lookup(Clock::now())) lookup_.start();
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");

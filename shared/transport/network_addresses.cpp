@@ -58,13 +58,13 @@ void add_removed(const nlmsghdr& message, InterfaceAddresses& removed) {
 // Messages that did not fit are an error of the socket (ENOBUFS), and gone after it.
 InterfaceAddresses read_removals(int descriptor) {
   InterfaceAddresses removed;
-  alignas(nlmsghdr) std::array<char, 32768> buffer;
+  alignas(nlmsghdr) std::array<char, 32768> buffer{};
   while (true) {
     const ssize_t size = recv(descriptor, buffer.data(), buffer.size(), 0);
     if (size < 0 && errno == ENOBUFS) continue;
     if (size <= 0) return removed;
     auto left = static_cast<unsigned>(size);
-    for (auto* it = reinterpret_cast<const nlmsghdr*>(buffer.data()); NLMSG_OK(it, left);
+    for (const auto* it = reinterpret_cast<const nlmsghdr*>(buffer.data()); NLMSG_OK(it, left);
          it = NLMSG_NEXT(it, left)) {
       add_removed(*it, removed);
     }

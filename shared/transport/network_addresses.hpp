@@ -14,7 +14,7 @@ namespace fleetloc {
 struct InterfaceAddress {
   std::uint32_t interface_index = 0;
   std::string address;
-  auto operator<=>(const InterfaceAddress&) const = default;
+  auto operator<=>(const InterfaceAddress&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 using InterfaceAddresses = std::set<InterfaceAddress>;
 

@@ -25,7 +25,7 @@ struct NamedPeer {
   std::string host;
   std::uint32_t port = 0;     ///< 0: those of the first participants of a computer
   std::string server_prefix;  ///< of the GUID of a discovery server; empty: not a server
-  auto operator<=>(const NamedPeer&) const = default;
+  auto operator<=>(const NamedPeer&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// Of a loaded participant profile.
@@ -35,7 +35,7 @@ std::vector<NamedPeer> named_peers(const std::string& participant_profile);
 struct FoundPeer {
   NamedPeer peer;
   std::string address;
-  auto operator<=>(const FoundPeer&) const = default;
+  auto operator<=>(const FoundPeer&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 using FoundPeers = std::set<FoundPeer>;
 

@@ -46,7 +46,8 @@ void RenewalPolicy::made(const Basis& basis, Time now) {
   peers_changed_ = false;
   tried_at_ = now;
   failures_ = 0;
-  if (heard_at_ && now - *heard_at_ > lease_) ++silent_renewals_;
+  if (!heard_at_) heard_at_ = now;
+  if (now - *heard_at_ > lease_) ++silent_renewals_;
 }
 
 void RenewalPolicy::failed(Time now) {

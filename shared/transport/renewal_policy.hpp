@@ -36,7 +36,7 @@ class RenewalPolicy {
   void failed(Time now);
 
   /// To be called regularly, and at each change.
-  /// @param heard  datagrams so far
+  /// @param heard  messages so far
   void observe(const InterfaceAddresses& addresses, std::uint64_t heard, Time now);
   /// These addresses went; they may be back before anyone can see that they are missing.
   void lost(const InterfaceAddresses& addresses, Time now);
@@ -69,7 +69,7 @@ class RenewalPolicy {
   Time tried_at_;
   int failures_ = 0;
   std::uint64_t heard_ = 0;
-  std::optional<Time> heard_at_;  // if ever
+  std::optional<Time> heard_at_;  // or when the first one was made
   int silent_renewals_ = 0;       // since something was heard
   std::optional<Time> looked_up_at_;
 };

@@ -80,19 +80,19 @@ std::string NetworkNamespace::path() const {
   return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(namespace_.number());
 }
 
-SwitchedNetwork::SwitchedNetwork() {
-  switch_.ip("link add switch type bridge");
+SwitchedNetwork::SwitchedNetwork(bool carries_multicast) : carries_multicast_(carries_multicast) {
+  switch_.ip("link add switch type bridge mcast_snooping 0");
   switch_.ip("link set switch up");
 }
 
-// Without a default route multicasts find no way out, as in most real networks with one.
 void SwitchedNetwork::plug_in(const NetworkNamespace& computer, const std::string& address) {
   const std::string port = "port" + std::to_string(++ports_);
   computer.ip("link add eth0 type veth peer name " + port + " netns " + switch_.path());
   switch_.ip("link set " + port + " master switch up");
+  if (!carries_multicast_) switch_.ip("link set " + port + " type bridge_slave mcast_flood off");
   computer.ip("address add " + address + "/24 dev eth0");
   computer.ip("link set eth0 up");
-  computer.ip("route add default dev eth0");
+  computer.ip("route add default dev eth0");  // also that of multicasts
 }
 
 void SwitchedNetwork::pull_out(const NetworkNamespace& computer) {

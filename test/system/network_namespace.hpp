@@ -54,7 +54,8 @@ class NetworkNamespace {
 /// Computers on one switch.
 class SwitchedNetwork {
  public:
-  SwitchedNetwork();
+  /// @param carries_multicast  no: as most virtual networks
+  explicit SwitchedNetwork(bool carries_multicast);
 
   /// Gives a computer the interface `eth0`.
   /// @param address  e.g. 10.77.0.1; all of them in one network of 24 bits
@@ -64,6 +65,7 @@ class SwitchedNetwork {
 
  private:
   NetworkNamespace switch_;
+  bool carries_multicast_;
   int ports_ = 0;
 };
 

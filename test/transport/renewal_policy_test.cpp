@@ -51,8 +51,10 @@ TEST_F(RenewalPolicyTest, KeepsAParticipantWhoseNetworkStays) {
   EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
 }
 
-TEST_F(RenewalPolicyTest, KeepsAParticipantThatHasNeverHeardAnyone) {
-  EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
+TEST_F(RenewalPolicyTest, MakesOneNowAndThenWhereNobodyHasEverBeenHeard) {
+  EXPECT_EQ(watch(seconds(19), kHome), 0);
+  EXPECT_EQ(watch(seconds(2), kHome), 1);
+  EXPECT_LT(watch(std::chrono::hours(1), kHome), 12);
 }
 
 TEST_F(RenewalPolicyTest, MakesOneSoonAfterAnotherAddressAndOnlyOne) {
@@ -98,6 +100,7 @@ TEST_F(RenewalPolicyTest, WaitsLongerAfterEachFailure) {
   EXPECT_GT(attempts, 5);
   EXPECT_LT(attempts, 130);  // every half minute
   fails_ = false;
+  hears_ = true;
   EXPECT_EQ(watch(seconds(33), kAway), 1);
   EXPECT_EQ(watch(std::chrono::hours(1), kAway), 0);
 }
