@@ -18,7 +18,7 @@ void CameraPacket::set(std::size_t lane,
   sun_part[lane] = its_sun_part;
 }
 
-ViewPacket in_map(const CameraPacket& packet, const CameraFrame& frame, float pixel_rad) {
+ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pixel_rad) {
   ViewPacket view{};
   view.sun_part = packet.sun_part;
   view.pixel_rad = pixel_rad;

@@ -23,13 +23,13 @@ inline std::uint8_t sun_part(int u, int v) {
   return static_cast<std::uint8_t>((u + v) % kSunParts);
 }
 
-struct CameraFrame {
-  explicit CameraFrame(const Pose& T_map_cam)
+struct CameraView {
+  explicit CameraView(const Pose& T_map_cam)
       : R_map_cam(T_map_cam.R.toRotationMatrix().cast<float>()), p_map(T_map_cam.p.cast<float>()) {}
   Eigen::Matrix3f R_map_cam;
   Eigen::Vector3f p_map;
 };
 
-ViewPacket in_map(const CameraPacket& packet, const CameraFrame& frame, float pixel_rad);
+ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pixel_rad);
 
 }  // namespace fleetloc

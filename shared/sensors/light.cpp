@@ -30,7 +30,7 @@ Uint4 facing(const std::array<Float4, 3>& direction) {
 Eigen::Vector3f towards_sun(const Light& light, std::uint8_t part) {
   constexpr std::array<std::array<float, 2>, kSunParts> kParts = {
       {{0.0F, 0.66F}, {0.57F, -0.33F}, {-0.57F, -0.33F}}};
-  const auto& xy = kParts.at(part % kSunParts);
+  const auto& xy = kParts.at(std::size_t{part} % kParts.size());
   return light.to_sun_map +
          kSunRadius_rad * (xy[0] * light.sun_left_map + xy[1] * light.sun_up_map);
 }

@@ -58,7 +58,7 @@ ViewPacket rays_of(std::span<const Edge> edges, const Viewpoint& from) {
     const Edge& edge = edges[i];
     packet.set(i, from.rays.direction_between(edge.pixel, edge.next), edge.sun_part);
   }
-  return in_map(packet, CameraFrame(from.T_map_cam), from.rays.pixel_rad());
+  return in_map(packet, CameraView(from.T_map_cam), from.rays.pixel_rad());
 }
 
 /// Of at most as many edges as fit a packet: sees those whose ray meets what a pixel of theirs

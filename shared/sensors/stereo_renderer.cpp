@@ -108,7 +108,7 @@ void StereoRenderer::expose(Eye& eye, const Shot& shot, const Motion& T_map_body
 }
 
 void StereoRenderer::trace(Eye& eye, const SceneView& view, const Pose& T_map_cam) {
-  const CameraFrame frame(T_map_cam);
+  const CameraView frame(T_map_cam);
   const int rows = rows_of_blocks(eye.rays.height_px());
   const std::size_t blocks_per_row = eye.blocks.size() / static_cast<std::size_t>(rows);
   for_each_row(rows, config_.threads, [&](int row) {
