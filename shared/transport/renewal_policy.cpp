@@ -13,6 +13,7 @@ constexpr milliseconds kSettling{100};
 // Between attempts, while addresses come and go.
 constexpr seconds kLeastInterval{1};
 constexpr int kMostDoublings = 5;
+constexpr seconds kPatienceAfterChange{3};
 // Everyone who is there is heard more often: each second a localizer tells of itself.
 constexpr seconds kSilence{2};
 constexpr seconds kSilentLookupInterval{1};
@@ -42,12 +43,16 @@ void RenewalPolicy::made(const Basis& basis, Time now) {
   basis_ = basis;
   addresses_ = basis.addresses;
   peers_ = basis.peers;
+  if (!heard_at_) heard_at_ = now;
+  if (changed_ || peers_changed_) {
+    patience_ = std::min<Clock::duration>(kPatienceAfterChange, lease_);
+  } else if (now - *heard_at_ > patience_) {
+    patience_ = std::clamp(2 * patience_, lease_, doubled(lease_, kMostDoublings));
+  }
   changed_ = false;
   peers_changed_ = false;
   tried_at_ = now;
   failures_ = 0;
-  if (!heard_at_) heard_at_ = now;
-  if (now - *heard_at_ > lease_) ++silent_renewals_;
 }
 
 void RenewalPolicy::failed(Time now) {
@@ -62,7 +67,7 @@ void RenewalPolicy::observe(const InterfaceAddresses& addresses, std::uint64_t h
   if (heard == heard_) return;
   heard_ = heard;
   heard_at_ = now;
-  silent_renewals_ = 0;
+  patience_ = lease_;
 }
 
 void RenewalPolicy::lost(const InterfaceAddresses& addresses, Time now) {
@@ -97,7 +102,7 @@ std::optional<std::string> RenewalPolicy::due(Time now) const {
     return "the network has changed, addresses are now " + words(addresses_);
   }
   if (peers_changed_) return "peers have moved, they are now " + words(peers_);
-  if (heard_at_ && now - std::max(*heard_at_, tried_at_) > doubled(lease_, silent_renewals_)) {
+  if (heard_at_ && now - std::max(*heard_at_, tried_at_) > patience_) {
     return "nothing has been heard for " +
            std::to_string(std::chrono::duration_cast<seconds>(now - *heard_at_).count()) + " s";
   }

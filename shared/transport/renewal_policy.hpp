@@ -24,7 +24,7 @@ class RenewalPolicy {
   using Time = Clock::time_point;
 
   /// @param lease  of the participant
-  explicit RenewalPolicy(Clock::duration lease) : lease_(lease) {}
+  explicit RenewalPolicy(Clock::duration lease) : lease_(lease), patience_(lease) {}
 
   /// What a participant was made with.
   struct Basis {
@@ -60,6 +60,7 @@ class RenewalPolicy {
 
  private:
   Clock::duration lease_;
+  Clock::duration patience_;  // with silence
   Basis basis_;
   InterfaceAddresses addresses_;  // as last seen
   FoundPeers peers_;              // as last found
@@ -70,7 +71,6 @@ class RenewalPolicy {
   int failures_ = 0;
   std::uint64_t heard_ = 0;
   std::optional<Time> heard_at_;  // or when the first one was made
-  int silent_renewals_ = 0;       // since something was heard
   std::optional<Time> looked_up_at_;
 };
 

@@ -65,6 +65,17 @@ TEST_F(RenewalPolicyTest, MakesOneSoonAfterAnotherAddressAndOnlyOne) {
   EXPECT_EQ(watch(seconds(60), kAway), 0);
 }
 
+TEST_F(RenewalPolicyTest, TriesOnceMoreSoonWhenNobodyIsHeardAfterAChange) {
+  hears_ = true;
+  watch(seconds(5), kHome);
+  hears_ = false;
+  EXPECT_EQ(watch(milliseconds(200), kAway), 1);
+  EXPECT_EQ(watch(milliseconds(2700), kAway), 0);
+  EXPECT_EQ(watch(milliseconds(500), kAway), 1);
+  EXPECT_EQ(watch(seconds(19), kAway), 0);
+  EXPECT_EQ(watch(seconds(2), kAway), 1);
+}
+
 TEST_F(RenewalPolicyTest, MakesOneWhenTheSameAddressIsBackHoweverShortlyItWasGone) {
   watch(seconds(5), kHome);
   EXPECT_EQ(watch(milliseconds(50), {}), 0);
@@ -74,6 +85,7 @@ TEST_F(RenewalPolicyTest, MakesOneWhenTheSameAddressIsBackHoweverShortlyItWasGon
 }
 
 TEST_F(RenewalPolicyTest, MakesOneWhenAnAddressWasGoneThatNobodySawMissing) {
+  hears_ = true;
   watch(seconds(5), kHome);
   policy_.lost(kAway, now_);
   EXPECT_EQ(watch(seconds(5), kHome), 0);
@@ -82,6 +94,7 @@ TEST_F(RenewalPolicyTest, MakesOneWhenAnAddressWasGoneThatNobodySawMissing) {
 }
 
 TEST_F(RenewalPolicyTest, MakesOneForAnInterfaceThatWasMadeAnewWithTheSameAddress) {
+  hears_ = true;
   watch(seconds(5), kHome);
   EXPECT_EQ(watch(seconds(5), kHomeAnew), 1);
 }
@@ -122,6 +135,7 @@ FoundPeers server_at(const std::string& address) {
 }
 
 TEST_F(RenewalPolicyTest, MakesOneWhenANamedPeerIsElsewhereButNotWhenItIsNotFound) {
+  hears_ = true;
   policy_.found(server_at("10.0.0.9"), now_);
   EXPECT_EQ(watch(seconds(5), kHome), 1);
   EXPECT_THAT(reason_, HasSubstr("discovery at 10.0.0.9"));
