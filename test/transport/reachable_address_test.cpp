@@ -15,7 +15,7 @@ class ReachableAddress : public testing::Test {
     if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
     robots_.emplace();
     clouds_.emplace();
-    network_.emplace();
+    network_.emplace(true);
     network_->plug_in(*robots_, "10.77.0.1");
     network_->plug_in(*clouds_, "10.77.0.2");
     robots_->ip("route delete default");
