@@ -88,10 +88,6 @@ bool has_bitmap(Fields& fields) {
   return fields.is_complete();
 }
 
-bool has_sequence_numbers(Fields& fields, std::int64_t least) {
-  return fields.sequence_number() >= least && has_bitmap(fields);
-}
-
 // Leaves what comes after the list.
 bool has_parameters(Fields& fields) {
   constexpr std::uint16_t kSentinel = 1;
@@ -172,7 +168,8 @@ bool is_data_frag(Fields fields, std::uint8_t flags) {
 
 bool is_ack_nack(Fields fields) {
   fields.skip(8);
-  const bool has_set = has_sequence_numbers(fields, 0);  // 0: of a writer that is not known yet
+  const std::int64_t base = fields.sequence_number();  // 0: of a writer that is not known yet
+  const bool has_set = base >= 0 && has_bitmap(fields);
   fields.u32();
   return has_set && fields.is_complete();
 }
