@@ -18,9 +18,17 @@ LaserMap::~LaserMap() = default;
 
 std::optional<LaserMap::Neighbour> LaserMap::nearest(const Eigen::Vector3d& p_map,
                                                      double radius_m) const {
-  const auto found = index_->nearest(p_map, radius_m);
-  if (!found) return std::nullopt;
-  return Neighbour{.index = found->index, .squared_distance = found->squared_distance};
+  return index_->nearest(p_map, radius_m);
+}
+
+LaserMap::Surroundings LaserMap::surroundings(const Eigen::Vector3d& p_map, double radius_m) const {
+  return index_->surroundings(p_map, radius_m);
+}
+
+LaserMap::Neighbour LaserMap::neighbour(std::size_t index, const Eigen::Vector3d& p_map) const {
+  const Eigen::Vector3d d = p_map - points_[index].p_map.cast<double>();
+  return {.index = index,
+          .squared_distance = d.x() * d.x() + d.y() * d.y() + d.z() * d.z()};  // in this order
 }
 
 }  // namespace fleetloc

@@ -58,6 +58,16 @@ class LaserMap {
   [[nodiscard]] std::optional<Neighbour> nearest(const Eigen::Vector3d& p_map,
                                                  double radius_m) const;
 
+  /// The nearest point, and how far away all others are.
+  struct Surroundings {
+    std::optional<Neighbour> nearest;  ///< as nearest() has it
+    double clear_m = 0.0;              ///< no other point is nearer; at most the radius
+  };
+  [[nodiscard]] Surroundings surroundings(const Eigen::Vector3d& p_map, double radius_m) const;
+
+  /// Point `index` as nearest() would return it.
+  [[nodiscard]] Neighbour neighbour(std::size_t index, const Eigen::Vector3d& p_map) const;
+
  private:
   std::vector<MapPoint> points_;
   MapInfo info_;

@@ -65,6 +65,36 @@ class NearestPoint {
   double worst_;
 };
 
+/// Result set of nanoflann: the nearest point, ties broken by index, and the next distance.
+class NearestTwo {
+ public:
+  using DistanceType = double;
+
+  explicit NearestTwo(double radius_m) : next(radius_m * radius_m), radius_(next) {}
+
+  bool addPoint(double squared_distance, std::uint32_t index) {
+    if (squared_distance > radius_) return true;
+    if (!best) {
+      best = {.index = index, .squared_distance = squared_distance};
+      return true;
+    }
+    const bool better = squared_distance < best->squared_distance ||
+                        (squared_distance == best->squared_distance && index < best->index);
+    next = std::min(next, better ? best->squared_distance : squared_distance);
+    if (better) best = {.index = index, .squared_distance = squared_distance};
+    return true;
+  }
+  [[nodiscard]] double worstDist() const { return above(next); }
+  [[nodiscard]] bool full() const { return best.has_value(); }
+  [[nodiscard]] std::size_t size() const { return best ? 1 : 0; }
+
+  std::optional<LaserMap::Neighbour> best;
+  double next;  // squared distance of the second nearest, at most that of the radius
+
+ private:
+  double radius_;  // squared
+};
+
 /// Result set of nanoflann that collects all points within a radius.
 class PointsWithin {
  public:
@@ -111,6 +141,14 @@ std::optional<LaserMap::Neighbour> PointIndex::nearest(const Eigen::Vector3d& p_
   NearestPoint result(radius_m);
   tree_->index.findNeighbors(result, p_map.data(), nanoflann::SearchParams());
   return result.best;
+}
+
+LaserMap::Surroundings PointIndex::surroundings(const Eigen::Vector3d& p_map,
+                                                double radius_m) const {
+  if (!p_map.allFinite()) return {};
+  NearestTwo result(radius_m);
+  tree_->index.findNeighbors(result, p_map.data(), nanoflann::SearchParams());
+  return {.nearest = result.best, .clear_m = std::sqrt(result.next)};
 }
 
 std::vector<std::size_t> PointIndex::within(const Eigen::Vector3d& p_map, double radius_m) const {

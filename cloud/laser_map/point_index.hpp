@@ -25,6 +25,10 @@ class PointIndex {
   [[nodiscard]] std::optional<LaserMap::Neighbour> nearest(const Eigen::Vector3d& p_map,
                                                            double radius_m) const;
 
+  /// See LaserMap::surroundings().
+  [[nodiscard]] LaserMap::Surroundings surroundings(const Eigen::Vector3d& p_map,
+                                                    double radius_m) const;
+
   /// Indices of all points within `radius_m` (inclusive), increasing.
   [[nodiscard]] std::vector<std::size_t> within(const Eigen::Vector3d& p_map,
                                                 double radius_m) const;

@@ -89,12 +89,13 @@ void cap_information(std::vector<MapMatch>& matches, const AssociationConfig& co
   }
 }
 
-}  // namespace
-
-Association associate(const std::vector<WindowLandmark>& landmarks,
-                      const LaserMap& map,
-                      double gate_m,
-                      const AssociationConfig& config) {
+// `nearest_to(landmark, radius_m)` is LaserMap::nearest() of its position.
+template <typename Nearest>
+Association associate_by(const Nearest& nearest_to,
+                         const std::vector<WindowLandmark>& landmarks,
+                         const LaserMap& map,
+                         double gate_m,
+                         const AssociationConfig& config) {
   Association result;
   const double spacing = map.info().resolution_m;
   for (const WindowLandmark& landmark : landmarks) {
@@ -103,7 +104,7 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
     ++result.eligible;
     const double reach =
         std::hypot(gate_m, config.gate_deviations * std::hypot(own_sigma, spacing));
-    const auto nearest = map.nearest(landmark.p_map, std::max(reach, config.coverage_radius_m));
+    const auto nearest = nearest_to(landmark, std::max(reach, config.coverage_radius_m));
     if (!nearest) continue;
     ++result.covered;
     const MapMatch match =
@@ -117,6 +118,29 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
   }
   cap_information(result.matches, config);
   return result;
+}
+
+}  // namespace
+
+Association associate(const std::vector<WindowLandmark>& landmarks,
+                      const LaserMap& map,
+                      double gate_m,
+                      const AssociationConfig& config) {
+  const auto nearest_to = [&map](const WindowLandmark& landmark, double radius_m) {
+    return map.nearest(landmark.p_map, radius_m);
+  };
+  return associate_by(nearest_to, landmarks, map, gate_m, config);
+}
+
+Association associate(const std::vector<WindowLandmark>& landmarks,
+                      const LaserMap& map,
+                      double gate_m,
+                      const AssociationConfig& config,
+                      NearestMemory& memory) {
+  const auto nearest_to = [&memory](const WindowLandmark& landmark, double radius_m) {
+    return memory.nearest(landmark.id, landmark.p_map, radius_m);
+  };
+  return associate_by(nearest_to, landmarks, map, gate_m, config);
 }
 
 double residual(const MapMatch& match, const Eigen::Vector3d& p_map) {

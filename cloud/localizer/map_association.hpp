@@ -4,6 +4,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/map_match.hpp"
+#include "cloud/localizer/nearest_memory.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -38,6 +39,12 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
                       const LaserMap& map,
                       double gate_m,
                       const AssociationConfig& config);
+/// The same of landmarks that were associated before.
+Association associate(const std::vector<WindowLandmark>& landmarks,
+                      const LaserMap& map,
+                      double gate_m,
+                      const AssociationConfig& config,
+                      NearestMemory& memory);
 
 /// Along the normal, or the distance where there is none [m].
 double residual(const MapMatch& match, const Eigen::Vector3d& p_map);

@@ -53,6 +53,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       database_(config_.database),
       problem_(session.stereo, config_.database.window, config_.problem),
       alignment_(*map_, config_.association, config_.alignment),
+      nearest_(*map_),
       start_(config_.confirmation),
       anchor_(anchor_at_start(session)) {}
 
@@ -127,6 +128,7 @@ LocalizationStatus SessionLocalizer::localize_window(const std::vector<KeyframeI
   if (diagnostics_.keyframes < config_.acceptance.least_keyframes) return kTooFewKeyframes;
   const Pose T_map_odom = anchor_->belief.T_map_body * inverse(anchor_->T_odom_body);
   problem_.synchronize(database_, database_.placed(window, T_map_odom));
+  nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
   diagnostics_.observations = problem_.observations();
 
   const Hold hold = hold_of(window);
@@ -204,7 +206,7 @@ LocalizationStatus SessionLocalizer::optimize(const Hold& hold) {
 LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) {
   using enum LocalizationStatus;
   const std::vector<WindowLandmark> landmarks = problem_.landmarks();
-  association_ = associate(landmarks, *map_, gate_m, config_.association);
+  association_ = associate(landmarks, *map_, gate_m, config_.association, nearest_);
   diagnostics_.landmarks = static_cast<int>(landmarks.size());
   diagnostics_.eligible = association_.eligible;
   diagnostics_.covered = association_.covered;
@@ -339,7 +341,8 @@ void SessionLocalizer::store(const PoseBelief& result) {
 std::size_t SessionLocalizer::memory_bytes() const {
   const auto observations = static_cast<std::size_t>(problem_.observations());
   return sizeof(*this) + database_.memory_bytes() + observations * kBytesPerObservation +
-         database_.landmarks().size() * kBytesPerLandmark + (system_ ? system_->memory_bytes() : 0);
+         database_.landmarks().size() * kBytesPerLandmark + nearest_.memory_bytes() +
+         (system_ ? system_->memory_bytes() : 0);
 }
 
 }  // namespace fleetloc

@@ -10,6 +10,7 @@
 #include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/map_association.hpp"
 #include "cloud/localizer/map_correction.hpp"
+#include "cloud/localizer/nearest_memory.hpp"
 #include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
@@ -157,6 +158,7 @@ class SessionLocalizer {
   SessionDatabase database_;
   WindowProblem problem_;
   RigidAlignment alignment_;
+  NearestMemory nearest_;
   StartConfirmation start_;
   std::optional<PoseAnchor> anchor_;      // none: there is no start pose
   std::map<KeyframeId, PathPoint> path_;  // of the odometry, at the stored keyframes

@@ -68,6 +68,7 @@ class WindowProblem {
 
   [[nodiscard]] Pose pose(KeyframeId id) const;
   [[nodiscard]] std::map<KeyframeId, Pose> poses() const;
+  [[nodiscard]] bool has(LandmarkId landmark) const { return landmarks_.contains(landmark); }
   [[nodiscard]] LandmarkPositions positions() const;
   /// With their covariances, in the order of their ids.
   [[nodiscard]] std::vector<WindowLandmark> landmarks() const;

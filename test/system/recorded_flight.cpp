@@ -28,8 +28,9 @@ std::filesystem::path recordings() {
   return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 
-Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
-  const auto file = dataset / "mav0" / "cam0" / "data.csv";
+Timestamp first_frame(const std::filesystem::path& dataset, double start_s) {
+  auto file = dataset / "mav0" / "tracks0" / "data.csv";
+  if (!std::filesystem::exists(file)) file = dataset / "mav0" / "cam0" / "data.csv";
   std::ifstream stream(file);
   const auto skipped = from_seconds(start_s);
   std::optional<Timestamp> first;
@@ -39,14 +40,14 @@ Timestamp first_image(const std::filesystem::path& dataset, double start_s) {
     if (!first) first = stamp;
     if (stamp >= *first + skipped) return stamp;
   }
-  throw std::runtime_error(file.string() + ": no images");
+  throw std::runtime_error(file.string() + ": no frames");
 }
 
 std::string RecordedFlight::displaced_start_pose(double start_s) const {
   constexpr std::chrono::milliseconds kMaxGap{100};
   const auto T_map_body =
-      interpolate(read_trajectory(ground_truth), first_image(folder, start_s), kMaxGap);
-  if (!T_map_body) throw std::runtime_error("no ground truth at the first image");
+      interpolate(read_trajectory(ground_truth), first_frame(folder, start_s), kMaxGap);
+  if (!T_map_body) throw std::runtime_error("no ground truth at the first frame");
   const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kYaw});
   return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement});
 }

@@ -29,13 +29,14 @@ struct RecordedFlight {
   std::filesystem::path folder;
   std::filesystem::path ground_truth;
 
-  /// For --initial-pose: the ground truth at the first image from `start_s` on, displaced in the
+  /// For --initial-pose: the ground truth at the first frame from `start_s` on, displaced in the
   /// map by 0.3 m and 3 degrees of yaw.
   [[nodiscard]] std::string displaced_start_pose(double start_s = 0.0) const;
 };
 
-/// The stamp of the first image from `start_s` on. Throws std::runtime_error if there is none.
-Timestamp first_image(const std::filesystem::path& dataset, double start_s = 0.0);
+/// The stamp of the first frame from `start_s` on, an image or its tracks. Throws
+/// std::runtime_error if there is none.
+Timestamp first_frame(const std::filesystem::path& dataset, double start_s = 0.0);
 
 /// All real, hand-held, 17 s, no laser map.
 RecordedFlight machine_hall();

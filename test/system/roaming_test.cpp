@@ -1,5 +1,5 @@
 // Interfaces that disappear and return while robot and localizer run: programs in network
-// namespaces, over DDS, in real time, in a world of their own.
+// namespaces, over DDS, in real time.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -14,6 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/system/driven_world.hpp"
 #include "test/system/network_namespace.hpp"
 #include "test/system/recorded_flight.hpp"
 #include "test/system/run_watch.hpp"
@@ -28,44 +29,6 @@ using ::testing::Le;
 
 using Words = std::vector<std::string>;
 
-constexpr const char* kDriveSeconds = "75";
-
-/// A drive through a made-up world, by its tracks, and the map of the world. Made once.
-struct World {
-  World() {
-    std::ofstream(folder / "ten_hertz.yaml") << "sim: {images: {rate_hz: 10}}\n";
-    map = built_map(simulated("survey", kDriveSeconds, {"--no-images", "--lidar"}), folder);
-    drive = simulated("drive", kDriveSeconds, {"--seed", "2", "--tracks"});
-    start_pose = simulated("start", "1", {}).displaced_start_pose();  // needs an image
-  }
-
-  [[nodiscard]] RecordedFlight simulated(const std::string& name,
-                                         const std::string& duration_s,
-                                         const Words& more) const {
-    const std::string worlds = FLEETLOC_SOURCE_DIR "/deploy/worlds/";
-    const auto out = folder / name;
-    Words words{"--scene",
-                worlds + "campus.yaml",
-                "--route",
-                worlds + "quad.yaml",
-                "--config",
-                (folder / "ten_hertz.yaml").string(),
-                "--duration",
-                duration_s,
-                "--out",
-                out.string()};
-    words.insert(words.end(), more.begin(), more.end());
-    must_run(FLEETLOC_SIM, words);
-    return {.folder = out,
-            .ground_truth = out / "mav0" / "state_groundtruth_estimate0" / "data.csv"};
-  }
-
-  ScratchFolder folder;
-  std::filesystem::path map;
-  RecordedFlight drive;
-  std::string start_pose;
-};
-
 std::size_t occurrences(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
@@ -74,12 +37,10 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
 
 class Roaming : public testing::Test {
  protected:
-  static void TearDownTestSuite() { world_.reset(); }
-
   void SetUp() override {
     if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
     if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
-    if (!world_) world_ = std::make_unique<World>();
+    world_ = DrivenWorld::kept();
     name_hosts({});
   }
 
@@ -122,7 +83,7 @@ class Roaming : public testing::Test {
                           "--name",
                           "localizer_1",
                           "--map",
-                          world_->map.string(),
+                          world_.map.string(),
                           "--qos",
                           profiles,
                           "--out",
@@ -131,12 +92,12 @@ class Roaming : public testing::Test {
                 "--robot-id",
                 "robot_1",
                 "--dataset",
-                world_->drive.folder.string(),
+                world_.forward.folder.string(),
                 "--tracks",
                 "--qos",
                 profiles,
                 "--initial-pose",
-                world_->start_pose,
+                world_.forward.displaced_start_pose(),
                 "--out",
                 run_.string()};
     robot.insert(robot.end(), more.begin(), more.end());
@@ -170,7 +131,7 @@ class Roaming : public testing::Test {
     EXPECT_EQ(occurrences(robot.output, "started as"), 1) << "the localizer was chosen again";
     const auto session = parsed_json(out_ / "localizer_1" / "sessions.json").at("robot_1");
     EXPECT_EQ(session.at("sessions"), 1);
-    const auto errors = run_errors(run_, world_->drive);
+    const auto errors = run_errors(run_, world_.forward);
     std::cout << "ATE " << errors.at("ate").dump() << '\n';
     EXPECT_EQ(errors.at("confidence").at("confidently_wrong"), 0);
     EXPECT_LT(errors.at("ate").at("median"), 0.15);
@@ -196,7 +157,7 @@ class Roaming : public testing::Test {
     return silences;
   }
 
-  static inline std::unique_ptr<World> world_;
+  DrivenWorld world_;
   ScratchFolder out_;
   std::filesystem::path run_ = out_ / "robot_1";
   std::optional<SwitchedNetwork> switch_;
@@ -206,7 +167,7 @@ class Roaming : public testing::Test {
 
 TEST_F(Roaming, GetsItsAnswersAgainWithItsSessionAndItsPose) {
   connect(true);
-  start("lan");
+  start("lan", {"--duration", "75"});
   expect_one_session_and_honest_poses({interrupt(*robot_, 10, "10.77.0.1"),
                                        interrupt(*robot_, 25, "10.77.0.3"),
                                        interrupt(*cloud_, 40, "10.77.0.2"),

@@ -97,7 +97,7 @@ double gravity_error_deg(const PosePair& pair) {
 
 std::vector<double> starts_in_motion(const RecordedFlight& flight, const StartChoice& choice) {
   const Trajectory truth = read_trajectory(flight.ground_truth);
-  const Timestamp first = first_image(flight.folder);
+  const Timestamp first = first_frame(flight.folder);
   const auto frames = static_cast<int>(DatasetReader({.folder = flight.folder}).frame_count());
   const auto playing = static_cast<int>(choice.playing_s / kFramePeriod);
   std::vector<double> moving;
@@ -124,7 +124,7 @@ StartOutcome started_at(double start_s, const RecordedFlight& flight, const Star
                                       .duration_s = watch.patience_s + watch.stretch_s},
                                      watch);
   if (odometry.empty()) return outcome;
-  const Timestamp start = first_image(flight.folder) + from_seconds(start_s);
+  const Timestamp start = first_frame(flight.folder) + from_seconds(start_s);
   outcome.first_pose_s = to_seconds(odometry.front().stamp - start);
   const auto pairs = associate(read_trajectory(flight.ground_truth), odometry, kMaxGap);
   if (pairs.size() < 3) return outcome;

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "test/system/child_program.hpp"
+
+namespace fleetloc {
+
+/// Runs `docker` with these words. Throws std::runtime_error with what it said unless it succeeds.
+Outcome docker(const std::vector<std::string>& words);
+
+/// Containers on networks of their own, with a discovery server: the built programs on this
+/// machine's own libraries, without any right, without a way out. Sites `east` and `west` reach the
+/// cloud's side only. All of it is gone with this object, and at the latest with this process.
+class DockerFleet {
+ public:
+  /// Why there can be none here; nothing: there can.
+  static std::optional<std::string> why_impossible();
+
+  /// @param outputs  folder that containers may write to, at the same path
+  explicit DockerFleet(std::filesystem::path outputs);
+  ~DockerFleet();
+  DockerFleet(const DockerFleet&) = delete;
+  DockerFleet& operator=(const DockerFleet&) = delete;
+
+  using Words = std::vector<std::string>;
+
+  /// Starts a container `name` with `command`, on all networks: localizers and the server.
+  /// @param options  of `docker create`
+  void start_in_cloud(const std::string& name, const Words& command, const Words& options = {});
+  /// Starts one at a site.
+  void start_at(const std::string& site, const std::string& name, const Words& command);
+  void start_discovery();
+
+  void kill(const std::string& name) const;  ///< with SIGKILL
+  void start_again(const std::string& name) const;
+  void pause(const std::string& name) const;
+  void unpause(const std::string& name) const;
+  void pull_out(const std::string& site, const std::string& name) const;
+  /// @param address  the last part of it, in the site's network
+  void plug_in(const std::string& site, const std::string& name, int address) const;
+  /// At most so much memory from now on, swap included.
+  void limit_memory(const std::string& name, std::size_t bytes) const;
+  /// As the engine counts it, to a tenth of a megabyte or so.
+  [[nodiscard]] std::size_t memory_bytes(const std::string& name) const;
+
+  /// SIGTERM, then SIGKILL after 10 s; the exit code.
+  int stop(const std::string& name) const;
+  /// Waits for its end; the exit code.
+  int wait(const std::string& name) const;
+  [[nodiscard]] std::string logs(const std::string& name) const;
+  /// What `docker inspect` says in `format`.
+  [[nodiscard]] std::string inspect(const std::string& name, const std::string& format) const;
+
+ private:
+  [[nodiscard]] std::string full(const std::string& name) const { return prefix_ + "-" + name; }
+  [[nodiscard]] std::string subnet(const std::string& site) const;
+  void create(const std::string& name,
+              const std::string& network,
+              const Words& command,
+              const Words& options);
+  void remove_everything() const noexcept;
+
+  std::filesystem::path outputs_;
+  std::string prefix_;
+  int first_subnet_ = 0;
+  std::vector<std::string> containers_;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+
+#include "test/system/recorded_flight.hpp"
+
+namespace fleetloc {
+
+/// A made-up campus: the laser map of the streets around a block, and two drives on them by their
+/// tracks, one in each direction.
+struct DrivenWorld {
+  std::filesystem::path map;
+  RecordedFlight forward;
+  RecordedFlight reverse;
+
+  /// Made once and kept in the build tree, until one of the programs that make it changes; who asks
+  /// meanwhile waits. Throws std::runtime_error with what a program said.
+  /// @param least_s  length of the drives, in rounds of 108 s
+  static DrivenWorld kept(double least_s = 100.0);
+};
+
+}  // namespace fleetloc
