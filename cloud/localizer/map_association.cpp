@@ -48,13 +48,10 @@ bool is_hidden(const MapMatch& nearest, double gate_m) {
   return viewer * landmark < 0.0 && std::abs(landmark) > gate_m;
 }
 
-bool is_level(const MapMatch& match, const AssociationConfig& config) {
-  return match.is_planar && std::abs(match.normal.z()) >= config.level_from;
-}
-
 // Ground says how high it is, and no more. Snow, leaves and grass lift all of it alike, and on a
 // slope a common error of height would pass for a shift along it.
 void make_level(MapMatch& match) {
+  match.is_level = true;
   const Eigen::Vector3d& p_map = match.landmark.p_map;
   const double height = match.normal.dot(p_map - match.q_map) / match.normal.z();
   match.q_map = p_map - height * Eigen::Vector3d::UnitZ();
@@ -72,7 +69,7 @@ MapMatch make_match(const WindowLandmark& landmark,
   match.q_map = point.p_map.cast<double>();
   match.normal = point.normal.cast<double>();
   match.is_planar = point.planarity >= config.least_planarity && match.normal.squaredNorm() > 0.5;
-  if (is_level(match, config)) make_level(match);
+  if (match.is_planar && std::abs(match.normal.z()) >= config.level_from) make_level(match);
   match.sigma_m = match.is_planar ? config.plane_sigma_m : config.point_sigma_m;
   match.widening = std::max(1.0, kShareOfGate * gate_m / match.sigma_m);
   return match;
@@ -111,9 +108,10 @@ Association associate_by(const Nearest& nearest_to,
         make_match(landmark, nearest->index, map.point(nearest->index), gate_m, config);
     if (is_within_gate(match, gate_m, spacing, config.gate_deviations)) {
       result.matches.push_back(match);
-      if (is_level(match, config)) ++result.level;
+      if (match.is_level) ++result.level;
     } else if (is_hidden(match, gate_m)) {
       ++result.hidden;
+      if (match.is_level) ++result.buried;
     }
   }
   cap_information(result.matches, config);

@@ -27,6 +27,7 @@ struct Association {
   int covered = 0;                ///< of these, on mapped ground
   int level = 0;                  ///< of the matches, on level surfaces
   int hidden = 0;                 ///< of these, seen through a surface of the map
+  int buried = 0;                 ///< of these, under level ground
 
   /// Of the landmarks that can tell the place: level ground fits wherever the robot is.
   [[nodiscard]] int telling_matches() const { return static_cast<int>(matches.size()) - level; }

@@ -25,6 +25,7 @@ struct MapMatch {
   Eigen::Vector3d q_map = Eigen::Vector3d::Zero();   ///< [m]
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit; zero if the map does not know it
   bool is_planar = false;                            ///< point to plane, else point to point
+  bool is_level = false;                             ///< planar, on ground: tells height only
   double sigma_m = 0.0;   ///< of map and association, and of the share in the map cell's budget
   double widening = 1.0;  ///< of sigma_m while the gate is still wide
 };

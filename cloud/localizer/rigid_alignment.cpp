@@ -75,15 +75,21 @@ struct System {
 };
 
 // One match, by a motion about `center_map`.
-void add_match(const MapMatch& match, const Eigen::Vector3d& center_map, double kernel, System& s) {
+void add_match(const MapMatch& match,
+               const Eigen::Vector3d& center_map,
+               const RigidAlignment::Config& config,
+               System& s) {
   const Eigen::Vector3d arm = match.landmark.p_map - center_map;
   const Eigen::Vector3d d = match.landmark.p_map - match.q_map;
   const double sigma = match.sigma_m * match.widening;
   const auto add = [&](const Eigen::Vector3d& direction) {
     const double variance = sigma * sigma + direction.dot(match.landmark.covariance * direction);
     const double error = direction.dot(d);
-    const double robust = 1.0 / (1.0 + error * error / (variance * kernel * kernel));
-    s.add(direction, arm, error, robust / variance);
+    const double deviations = error / (config.kernel * std::sqrt(variance));
+    const double robust = 1.0 / (1.0 + deviations * deviations);
+    const bool is_before = error * direction.dot(match.landmark.seen_from - match.q_map) > 0.0;
+    const double likely = match.is_level && is_before ? config.lifted_weight : 1.0;
+    s.add(direction, arm, error, likely * robust / variance);
   };
   if (match.is_planar) return add(match.normal);
   for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis));
@@ -119,7 +125,7 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
     const WindowMotion motion{T_map_body.p, 1.0};
     System system;
     for (const MapMatch& match : associate(placed, map_, gate_m, association_).matches) {
-      add_match(match, motion.center_map, config_.kernel, system);
+      add_match(match, motion.center_map, config_, system);
     }
     const Vector6d error = local_coordinates(prior.T_map_body, T_map_body);
     const Matrix6d J = right_jacobian_inverse_se3(error) * motion.by_body(T_map_body);
@@ -138,8 +144,9 @@ double RigidAlignment::score(const std::vector<WindowLandmark>& landmarks,
                              double gate_m,
                              const Pose& T_new_old) const {
   const Association found = associate(moved(landmarks, T_new_old), map_, gate_m, association_);
-  double sum = kMaxScore * static_cast<double>(found.eligible) -
-               kMaxScore * static_cast<double>(found.matches.size());
+  // What is under the ground speaks against a place, what is nowhere does not speak for it.
+  double sum = kMaxScore * (static_cast<double>(found.eligible + found.buried) -
+                            static_cast<double>(found.matches.size()));
   for (const MapMatch& match : found.matches) {
     const double error = residual(match, match.landmark.p_map);
     const Eigen::Vector3d& n = match.normal;
@@ -154,7 +161,8 @@ RigidAlignment::Config read_rigid_alignment_config(ConfigReader section) {
   return {.iterations = section.integer("iterations", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
           .start_deviations = section.positive("start_deviations"),
-          .kernel = section.positive("kernel")};
+          .kernel = section.positive("kernel"),
+          .lifted_weight = section.number("lifted_weight", 0.0, 1.0)};
 }
 
 }  // namespace fleetloc

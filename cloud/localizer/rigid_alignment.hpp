@@ -20,6 +20,7 @@ class RigidAlignment {
     int max_landmarks;        ///< evenly out of those there are
     double start_deviations;  ///< distance of the starts from the prior, in its deviations
     double kernel;            ///< Cauchy, in standard deviations
+    double lifted_weight;     ///< of landmarks before level ground, as snow lifts it
   };
   struct Gates {
     double first_m;

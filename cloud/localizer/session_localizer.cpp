@@ -211,6 +211,7 @@ LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) 
   diagnostics_.eligible = association_.eligible;
   diagnostics_.covered = association_.covered;
   diagnostics_.hidden = association_.hidden;
+  diagnostics_.buried = association_.buried;
   diagnostics_.level = association_.level;
   diagnostics_.matches = static_cast<int>(association_.matches.size());
   diagnostics_.planar_matches =
@@ -260,6 +261,13 @@ LocalizationStatus SessionLocalizer::check_matches() const {
   return matches >= least.least_matches && agree ? kLocalized : kTooFewMatches;
 }
 
+// Snow and leaves lift the ground that most landmarks are on, but nothing lowers what is left of
+// it: a window that fits the snow has the cleared ways under the ground.
+bool SessionLocalizer::is_under_ground() const {
+  const int ground = association_.level + association_.buried;
+  return association_.buried > config_.acceptance.max_buried_share * ground;
+}
+
 // A wrong start often finds surfaces to match, but not without contradicting others.
 bool SessionLocalizer::is_sure() const {
   const auto& sure = config_.acceptance;
@@ -289,6 +297,7 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   result.T_map_body = problem_.pose(newest.id);
 
   if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
+  if (is_under_ground()) return kPoorFit;
 
   PoseBelief expected = predicted(newest.id);
   expected.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);

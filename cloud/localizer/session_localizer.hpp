@@ -31,6 +31,7 @@ struct LocalizationDiagnostics {
   int covered = 0;       ///< of these, on mapped ground
   int level = 0;         ///< of the matches, on level surfaces
   int hidden = 0;        ///< of these, seen through a surface of the map
+  int buried = 0;        ///< of these, under level ground
   int matches = 0;       ///< of these, in the last round
   int planar_matches = 0;
   int rounds = 0;                 ///< of association and optimization
@@ -73,6 +74,7 @@ class SessionLocalizer {
     double sure_agreement;
     int sure_matches;
     double sure_balance;
+    double max_buried_share;     ///< of the landmarks on or under level ground
     double max_median_residual;  ///< of the matches, in standard deviations
     double reach_deviations;     ///< from what odometry predicts
     double reach_floor_m;        ///< added to that prediction's deviations
@@ -146,6 +148,7 @@ class SessionLocalizer {
   [[nodiscard]] double gate_for(const PoseBelief& belief) const;
   void measure_fit();
   [[nodiscard]] LocalizationStatus check_matches() const;
+  [[nodiscard]] bool is_under_ground() const;
   [[nodiscard]] bool is_sure() const;
   LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
   [[nodiscard]] double reach() const;

@@ -22,6 +22,7 @@ SessionLocalizer::Acceptance read_acceptance(ConfigReader section) {
           .sure_agreement = section.number("sure_agreement", 0.0, 1.0),
           .sure_matches = section.integer("sure_matches", 0, 10000),
           .sure_balance = section.number("sure_balance", -2.0, 1.0),
+          .max_buried_share = section.number("max_buried_share", 0.0, 1.0),
           .max_median_residual = section.positive("max_median_residual"),
           .reach_deviations = section.positive("reach_deviations"),
           .reach_floor_m = section.positive("reach_floor_m"),

@@ -25,6 +25,10 @@ std::string one_line(std::string text) {
   return text;
 }
 
+std::string at_the_same_path(const std::filesystem::path& folder) {
+  return std::string(folder).append(":").append(folder);
+}
+
 // An image without files: all of them come from this machine, read-only, and so nothing has to be
 // fetched or installed. Links are as Debian has them.
 void make_image(const std::string& name) {
@@ -124,16 +128,14 @@ void DockerFleet::create(const std::string& name,
               "ALL",
               "--security-opt",
               "no-new-privileges:true"};
-  const std::string sources = FLEETLOC_SOURCE_DIR;
-  const std::string built = FLEETLOC_BINARY_DIR;
-  for (const std::string& folder : {std::string("/usr"),
-                                    std::string("/etc/alternatives"),
-                                    std::string("/etc/ld.so.cache"),
-                                    sources,
-                                    built}) {
-    words.insert(words.end(), {"--volume", folder + ":" + folder + ":ro"});
+  for (const char* folder : {"/usr",
+                             "/etc/alternatives",
+                             "/etc/ld.so.cache",
+                             FLEETLOC_SOURCE_DIR,
+                             FLEETLOC_BINARY_DIR}) {
+    words.insert(words.end(), {"--volume", at_the_same_path(folder) + ":ro"});
   }
-  words.insert(words.end(), {"--volume", outputs_.string() + ":" + outputs_.string()});
+  words.insert(words.end(), {"--volume", at_the_same_path(outputs_)});
   words.insert(words.end(), options.begin(), options.end());
   words.push_back(prefix_);
   words.insert(words.end(), command.begin(), command.end());

@@ -2,6 +2,7 @@
 // in real time, with faults at random. What each process needs at the end is compared with what it
 // needed a sixth of the time after the beginning, or after its last start.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +33,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kMostGrowth = 0.1;  // of memory
 constexpr double kSettling = 60.0;   // after the last fault, before the end [s]
-constexpr double kBetweenFaults_s[] = {20.0, 60.0};
+constexpr std::array kBetweenFaults_s{20.0, 60.0};
 
 /// What a process needs.
 struct Needs {
@@ -96,7 +97,7 @@ class Soak {
  private:
   static constexpr double kStagger = 20.0;  // [s]
 
-  double elapsed_s() const { return Seconds(steady_clock::now() - start_).count(); }
+  [[nodiscard]] double elapsed_s() const { return Seconds(steady_clock::now() - start_).count(); }
   double drawn(double from, double to) {
     return std::uniform_real_distribution<double>(from, to)(random_);
   }

@@ -81,7 +81,7 @@ fs::path route(const fs::path& folder, int rounds, bool reverse) {
   const std::string once = "laps: 1";
   std::string text = content_of(kWorlds / "quad.yaml");
   text.replace(text.find(once), once.size(), "laps: " + std::to_string(rounds));
-  const fs::path file = folder / (reverse ? "reverse.yaml" : "forward.yaml");
+  fs::path file = folder / (reverse ? "reverse.yaml" : "forward.yaml");
   std::ofstream(file) << text << "reverse: " << (reverse ? "true" : "false") << '\n';
   return file;
 }
