@@ -20,6 +20,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "shared/config/program.hpp"
 #include "test/fleet/driving_fleet.hpp"
 #include "test/system/driven_world.hpp"
 #include "test/system/run_watch.hpp"
@@ -251,26 +252,24 @@ class Soak {
 }  // namespace fleetloc
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs a fleet in containers for long, with faults at random; see soak.sh.");
-  double minutes = 60.0;
-  unsigned seed = 1;
-  app.add_option("--minutes", minutes, "length of each robot's drive")->check(CLI::Range(3, 600));
-  app.add_option("--seed", seed, "of the faults");
-  std::string out;
-  app.add_option("--out", out, "run folders; default: a folder that is removed afterwards");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    if (const auto reason = fleetloc::DockerFleet::why_impossible()) {
-      throw std::runtime_error(*reason);
-    }
-    const fleetloc::ScratchFolder scratch;
-    const auto folder = out.empty() ? scratch / "runs" : std::filesystem::absolute(out);
-    std::filesystem::create_directories(folder);
-    const bool good = fleetloc::Soak(minutes, seed, folder).run();
+  using namespace fleetloc;
+  return guarded([&] {
+    CLI::App app("Runs a fleet in containers for long, with faults at random; see soak.sh.");
+    double minutes = 60.0;
+    unsigned seed = 1;
+    std::string out;
+    app.add_option("--minutes", minutes, "length of each robot's drive")
+        ->check(CLI::Range(3, 600))
+        ->capture_default_str();
+    app.add_option("--seed", seed, "of the faults")->capture_default_str();
+    app.add_option("--out", out, "run folders; default: a folder that is removed afterwards");
+    CLI11_PARSE(app, argc, argv);
+    if (const auto reason = DockerFleet::why_impossible()) throw std::runtime_error(*reason);
+    const ScratchFolder scratch;
+    const auto folder = out.empty() ? scratch / "runs" : fs::absolute(out);
+    fs::create_directories(folder);
+    const bool good = Soak(minutes, seed, folder).run();
     std::cout << (good ? "all well\n" : "FAILED\n");
-    return good ? 0 : 1;
-  } catch (const std::exception& error) {
-    std::cerr << "soak: " << error.what() << '\n';
-    return 2;
-  }
+    return static_cast<int>(good ? kSuccess : kFailedAtRunTime);
+  });
 }
