@@ -61,6 +61,11 @@ void DrivingFleet::wait_until_it_serves(const std::string& localizer) const {
   }
 }
 
+void DrivingFleet::start_again(const std::string& localizer) const {
+  fs::remove(folder_of(localizer) / "status.csv");  // of the one that was killed
+  containers_.start_again(localizer);
+}
+
 void DrivingFleet::start_robot(const DrivingRobot& robot, const std::string& run) {
   containers_.start_at(robot.site,
                        run,

@@ -38,6 +38,8 @@ class DrivingFleet {
                        const DockerFleet::Words& options);
   /// Until it has its map and tells of itself. Throws std::runtime_error if that takes a minute.
   void wait_until_it_serves(const std::string& localizer) const;
+  /// One that has been killed.
+  void start_again(const std::string& localizer) const;
   /// @param run  name of its container and folder
   void start_robot(const DrivingRobot& robot, const std::string& run);
 

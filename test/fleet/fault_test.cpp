@@ -137,7 +137,7 @@ TEST_F(Fault, ALocalizerIsKilledAndRestarted) {
   const Moment began = now();
   containers().kill(victim);
   wait_until(kFaultAt + 8.0);
-  containers().start_again(victim);
+  fleet_->start_again(victim);
   expect_all_well(began, began, kTakenOverAfter);
 }
 
@@ -146,7 +146,8 @@ TEST_F(Fault, BothLocalizersAreKilled) {
   const Moment began = now();
   for (const std::string& name : localizers_) containers().kill(name);
   wait_until(kFaultAt + 10.0);
-  for (const std::string& name : localizers_) containers().start_again(name);
+  for (const std::string& name : localizers_) fleet_->start_again(name);
+  for (const std::string& name : localizers_) fleet_->wait_until_it_serves(name);
   expect_all_well(began, now());
 }
 

@@ -139,7 +139,7 @@ class Soak {
     hold(drawn(1.0, 10.0));
     std::string what = "killed and restarted:";
     for (const std::string& name : victims) {
-      fleet_.containers().start_again(name);
+      fleet_.start_again(name);
       watched_[name] = {.started_s = elapsed_s(), .before = {}, .now = {}};
       what += " " + name;
     }
