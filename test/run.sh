@@ -1,6 +1,5 @@
 #!/bin/sh
-# test/run.sh [release|asan|tsan]   installs packages, builds, runs every test of the preset; with
-#                                   tsan those in which threads meet
+# test/run.sh [release|asan|tsan]   installs packages, builds, runs every test of the preset
 # test/run.sh tidy [BASE]           clang-format and clang-tidy on what changed since BASE, or on all
 set -eu
 
@@ -49,10 +48,7 @@ run() {
 }
 
 run_tests() {
-  targets=""
-  [ "$1" != tsan ] || targets=fleetloc_threaded_tests
-  # shellcheck disable=SC2086  # a name or none
-  run sh deploy/build.sh "$1" $targets || fail "the build of $1"
+  run sh deploy/build.sh "$1" || fail "the build of $1"
   echo "test/run.sh: testing $1"
   run ctest --preset "$1" --parallel "$(nproc)" || fail "tests of $1"
 }
