@@ -18,6 +18,12 @@ Duration longest_imu_step(const RobotPipeline::Config& config) {
   return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
 }
 
+TrackedFrame without(TrackedFrame frame, const std::set<LandmarkId>& landmarks) {
+  std::erase_if(frame.observations,
+                [&](const StereoObservation& seen) { return landmarks.contains(seen.landmark); });
+  return frame;
+}
+
 }  // namespace
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -184,7 +190,10 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   if (!result->wants_keyframe || back_end_busy_) return false;
   auto imu = imu_.between(newest_keyframe_, frame.stamp);
   if (imu.empty()) return false;
-  KeyframeInput keyframe{.id = KeyframeId{next_keyframe_++}, .frame = frame, .imu = std::move(imu)};
+  note_outliers(result->outliers, frame);
+  KeyframeInput keyframe{.id = KeyframeId{next_keyframe_++},
+                         .frame = without(frame, outlier_tracks_),
+                         .imu = std::move(imu)};
   if (localizer_ != nullptr && !setup_.align_once) {
     keyframe.correction = localizer_->take_correction();
   }
@@ -194,6 +203,15 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   back_end_busy_ = true;
   newest_keyframe_ = frame.stamp;
   return true;
+}
+
+// What moves, or has been mistaken for something else, stays out for as long as it is tracked.
+void RobotPipeline::note_outliers(const std::vector<LandmarkId>& outliers,
+                                  const TrackedFrame& frame) {
+  std::set<LandmarkId> tracked;
+  for (const StereoObservation& seen : frame.observations) tracked.insert(seen.landmark);
+  std::erase_if(outlier_tracks_, [&](LandmarkId id) { return !tracked.contains(id); });
+  outlier_tracks_.insert(outliers.begin(), outliers.end());
 }
 
 void RobotPipeline::reset(ResetCause cause) {
@@ -206,6 +224,7 @@ void RobotPipeline::reset(ResetCause cause) {
   result_is_void_ = back_end_busy_;
   initializer_ = Initializer(stereo_, setup_.imu_noise, config_.initializer);
   frame_estimator_ = FrameEstimator(stereo_, setup_.imu_noise, config_.frame_estimator);
+  outlier_tracks_.clear();
   health_.reset();
   fusion_->interrupt();
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -126,6 +127,7 @@ class RobotPipeline {
   [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
   void initialize(const TrackedFrame& frame);
   bool estimate(const TrackedFrame& frame);
+  void note_outliers(const std::vector<LandmarkId>& outliers, const TrackedFrame& frame);
   void reset(ResetCause cause);
   void take_back_end(Timestamp now);
   void fuse_first_window();
@@ -155,6 +157,7 @@ class RobotPipeline {
   std::optional<Timestamp> previous_frame_;
   PoseEstimate latest_pose_;  // at the newest IMU sample
   Timestamp newest_keyframe_;
+  std::set<LandmarkId> outlier_tracks_;  // of those that are still tracked
   std::uint32_t next_keyframe_ = 0;
   bool back_end_busy_ = false;
   bool result_is_void_ = false;  // the job in the back end belongs to a session that has ended

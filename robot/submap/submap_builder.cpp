@@ -119,7 +119,8 @@ void SubmapBuilder::note_departed(const SubmapInput& input) {
       if (leaves && !present.contains(one.landmark)) departed_.insert(one.landmark);
     }
   }
-  std::erase_if(departed_, [&held](LandmarkId id) { return !held.contains(id); });
+  std::erase_if(departed_,
+                [&](LandmarkId id) { return !held.contains(id) || present.contains(id); });
   std::erase_if(sent_landmarks_, [&](const auto& sent) {
     return !present.contains(sent.first) && !departed_.contains(sent.first);
   });

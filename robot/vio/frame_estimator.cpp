@@ -70,11 +70,11 @@ std::vector<KnownPoint> known_points(const TrackedFrame& frame,
 }
 
 // Moves a prediction to the minimum of its own error and the reprojection errors, by Gauss-Newton
-// in covariance form: d = -P E (I + H P_66)^-1 b. `inliers` are those of the last step. Of an
+// in covariance form: d = -P E (I + H P_66)^-1 b. Of an
 // honest prediction and honest pixels, d^T P_66^-1 d is chi-square of 6 degrees at most.
 struct Refinement {
   LocalState state;
-  int inliers = 0;
+  std::vector<LandmarkId> outliers;
   double correction_chi_square = 0.0;
 };
 Refinement refined(const LocalState& prediction,
@@ -82,7 +82,7 @@ Refinement refined(const LocalState& prediction,
                    const RectifiedStereo& stereo,
                    const FrameEstimator::Config& config) {
   const Matrix6d P = prediction.covariance.topLeftCorner<6, 6>();
-  Refinement result{prediction, 0, 0.0};
+  Refinement result{prediction, {}, 0.0};
   Vector15d delta = Vector15d::Zero();
   PoseSystem system;
   Matrix6d gain = Matrix6d::Zero();  // (I + H P)^-1
@@ -98,7 +98,7 @@ Refinement refined(const LocalState& prediction,
   }
   const Eigen::Matrix<double, 15, 6> C = prediction.covariance.leftCols<6>();
   result.state.covariance = prediction.covariance - C * (gain * system.H) * C.transpose();
-  result.inliers = system.inliers;
+  result.outliers = std::move(system.outliers);
   const Vector6d correction = delta.head<6>();
   result.correction_chi_square = correction.dot(P.ldlt().solve(correction));
   return result;
@@ -185,12 +185,13 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
         known_points(frame, *window_, stereo_, local.state.T_odom_body, config_.noise.pixel_sigma);
     result.tracked = static_cast<int>(points.size());
     if (result.tracked >= config_.min_tracked) {
-      const Refinement refinement = refined(local, points, stereo_, config_);
-      result.outliers = result.tracked - refinement.inliers;
+      Refinement refinement = refined(local, points, stereo_, config_);
+      result.outliers = std::move(refinement.outliers);
+      const auto outliers = static_cast<int>(result.outliers.size());
       result.correction_chi_square = refinement.correction_chi_square;
       result.contradicted = !(result.correction_chi_square <= config_.max_correction_chi_square) ||
-                            result.outliers > config_.max_outlier_share * result.tracked;
-      result.sighted = !result.contradicted && refinement.inliers >= config_.min_tracked;
+                            outliers > config_.max_outlier_share * result.tracked;
+      result.sighted = !result.contradicted && result.tracked - outliers >= config_.min_tracked;
       if (result.sighted) local = refinement.state;
     }
     result.estimate.state = local.state;

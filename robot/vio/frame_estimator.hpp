@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "robot/inertial/imu_buffer.hpp"
 #include "robot/vio/vio_noise.hpp"
@@ -30,8 +31,8 @@ class FrameEstimator {
   struct Result {
     OdometryEstimate estimate;
     bool wants_keyframe = false;
-    int tracked = 0;       ///< observations of known landmarks
-    int outliers = 0;      ///< of these, given up by the refinement
+    int tracked = 0;                   ///< observations of known landmarks
+    std::vector<LandmarkId> outliers;  ///< of these, given up by the refinement; increasing
     bool sighted = false;  ///< vision refined the prediction; false: the estimate is inertial alone
     /// Of what vision would correct; beyond the limit the images show something else than the
     /// motion that the IMU felt, e.g. an image of long ago.

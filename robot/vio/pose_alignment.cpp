@@ -21,6 +21,7 @@ void add(const KnownPoint& point,
   factor.Evaluate(parameters.data(), r.data(), jacobians.data());
   const double norm = r.norm();
   if (norm > kernel.outlier_sigmas) {
+    system.outliers.push_back(point.observation.landmark);
     return;
   }
   const double weight = norm > kernel.huber_sigmas ? kernel.huber_sigmas / norm : 1.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "shared/model/camera.hpp"
 #include "shared/model/observation.hpp"
@@ -18,7 +19,8 @@ struct KnownPoint {
 struct PoseSystem {
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
-  int inliers = 0;  ///< errors below `outlier_sigmas`; others have no part
+  int inliers = 0;                   ///< errors below `outlier_sigmas`; others have no part
+  std::vector<LandmarkId> outliers;  ///< those others, in the order of the points
 };
 struct PoseKernel {
   double huber_sigmas = 0.0;
