@@ -140,6 +140,12 @@ MapConfig read_map_config(ConfigReader section) {
           .threads = section.integer("threads", 1, 64)};
 }
 
+MapConfig at_resolution(MapConfig config, double resolution_m) {
+  config.normal_radius_m *= resolution_m / config.resolution_m;
+  config.resolution_m = resolution_m;
+  return config;
+}
+
 LaserMap build_map(const std::vector<Eigen::Vector3f>& points,
                    const std::string& frame,
                    const MapConfig& config,

@@ -22,6 +22,9 @@ struct MapConfig {
 
 MapConfig read_map_config(ConfigReader section);
 
+/// For a map of other voxels: normals come from as many of them.
+MapConfig at_resolution(MapConfig config, double resolution_m);
+
 /// Points that no map can be made of.
 class MapBuildError : public std::runtime_error {
  public:

@@ -92,8 +92,7 @@ Program::Run prepare_build_of_datasets(const BuildOptions& options,
   }
   return [sessions, options, map_config, config] {
     MergedSessions merge = merged(*sessions, config);
-    MapConfig as_merged = map_config;
-    as_merged.resolution_m = merge.report.voxel_m;
+    const MapConfig as_merged = at_resolution(map_config, merge.report.voxel_m);
     const LaserMap map = map_of(std::exchange(merge.points_map, {}), options, as_merged);
     save(map, options.out);
     write_report(merge.report, options.out);

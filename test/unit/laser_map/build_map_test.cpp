@@ -43,6 +43,15 @@ TEST(BuildMap, FindsTheNormalOfATiltedPlane) {
   EXPECT_EQ(planar_share(map, 0.9), 1.0);
 }
 
+TEST(BuildMap, FindsNormalsInCoarserVoxelsToo) {
+  const MapConfig coarse = at_resolution(default_map_config(), 0.2);
+  const LaserMap map =
+      build_map(noisy_square(Eigen::Quaterniond::Identity(), 0.003), "map", coarse);
+  EXPECT_LT(map.size(), 300U);
+  EXPECT_EQ(map.info().resolution_m, 0.2);
+  EXPECT_EQ(planar_share(map, 0.9), 1.0);
+}
+
 TEST(BuildMap, HasPlanarityOneOnAPerfectPlane) {
   const LaserMap map =
       build_map(noisy_square(Eigen::Quaterniond::Identity(), 0.0), "map", default_map_config());
