@@ -8,8 +8,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string identity_of(const SimulatedDataset& dataset, const Programs& programs) {
-  return Fingerprint()
-      .add("program", programs.fingerprint("sim"))
+  Fingerprint fingerprint;
+  if (!dataset.built_along.empty()) fingerprint.add_file("streets", dataset.built_along);
+  return fingerprint.add("program", programs.fingerprint("sim"))
       .add_file("scene", dataset.scene)
       .add_file("route", dataset.route)
       .add("session", dataset.session)
@@ -46,6 +47,9 @@ std::vector<std::string> simulation(const SimulatedDataset& dataset,
   const auto add = [&words](const std::string& option, double value) {
     words.insert(words.end(), {option, exact_text(value)});
   };
+  if (!dataset.built_along.empty()) {
+    words.insert(words.end(), {"--built-along", dataset.built_along.string()});
+  }
   if (dataset.rest_s > 0.0) add("--rest", dataset.rest_s);
   if (dataset.start_s > 0.0) add("--start", dataset.start_s);
   if (dataset.duration_s) add("--duration", *dataset.duration_s);

@@ -17,6 +17,7 @@ namespace fleetloc {
 struct SimulatedDataset {
   std::filesystem::path scene;
   std::filesystem::path route;
+  std::filesystem::path built_along;  ///< route that the world is built around; empty: this one
   std::string session;
   std::uint64_t seed = 1;
   std::uint64_t scene_seed = 1;

@@ -36,6 +36,9 @@ SimulatedDataset read_simulated(ConfigReader section, const fs::path& base) {
   SimulatedDataset dataset;
   dataset.scene = existing_file(section, "scene", base);
   dataset.route = existing_file(section, "route", base);
+  if (section.has("built_along")) {
+    dataset.built_along = existing_file(section, "built_along", base);
+  }
   dataset.session = section.get<std::string>("session");
   expect_session(section, dataset.scene, dataset.session);
   dataset.seed = seed_or(section, "seed", 1);

@@ -135,5 +135,14 @@ TEST_F(PlanFile, IsRefusedForASessionThatTheSceneDoesNotHave) {
                  "'monsoon' is not in");
 }
 
+TEST_F(PlanFile, IsRefusedForStreetsThatAreNotThere) {
+  const std::string scene = std::string(FLEETLOC_SOURCE_DIR) + "/deploy/worlds/campus.yaml";
+  expect_refused("folder: flight, ",
+                 "simulated: {scene: " + scene + ", route: " + scene +
+                     ", built_along: nowhere.yaml, session: autumn}, ",
+                 "6: datasets.flight.simulated.built_along",
+                 "no such file");
+}
+
 }  // namespace
 }  // namespace fleetloc
