@@ -32,7 +32,7 @@ DdsChannel::DdsChannel(const Config& config)
     : config_(config),
       wire_(std::make_shared<WireLink>(config.role, config.link)),
       lookup_(named_peers(config.participant_profile)),
-      connection_(connect({.identity = {}, .peers = lookup_.find(kFirstLookup)})),
+      connection_(connect({.predecessor = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
 std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantStart& start) {
@@ -139,7 +139,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   using Clock = RenewalPolicy::Clock;
   const Participant& first = connection_->participant();
   const std::vector<std::string> whitelist = first.whitelist();
-  ParticipantStart start{.identity = first.identity(), .peers = first.peers()};
+  ParticipantStart start{.predecessor = first.identity(), .peers = first.peers()};
   RenewalPolicy policy(first.lease());
   policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
   bool was_cut_off = false;
@@ -148,6 +148,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
     policy.lost(lost, Clock::now());
     policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
     if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
+    if (wire_->has_server_restarted()) policy.server_restarted();
     if (policy.wants_lookup(Clock::now())) lookup_.start();
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
     was_cut_off = policy.is_cut_off();
@@ -163,7 +164,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   }
 }
 
-// The old one goes first: the new one takes its ports.
+// The old one goes first: its ports are wanted again soon.
 bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
   std::unique_ptr<DdsConnection> old;
   std::set<Destination> destinations;
@@ -173,15 +174,14 @@ bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
     destinations = destinations_;
   }
   old.reset();
-  start.identity = successor(*start.identity);
   std::unique_ptr<DdsConnection> fresh;
   try {
     try {
       fresh = connect(start);
     } catch (const TransportError&) {  // perhaps because of the identity
-      fresh = connect({.identity = std::nullopt, .peers = start.peers});
-      start.identity = fresh->participant().identity();
+      fresh = connect({.predecessor = std::nullopt, .peers = start.peers});
     }
+    start.predecessor = fresh->participant().identity();
     for (const Destination& destination : destinations) fresh->writer(destination);
   } catch (const TransportError& error) {
     note(reason + ": no new participant: " + error.what());

@@ -38,10 +38,10 @@ struct ChannelDiagnostics {
 /// effort samples are lost, and the protocol above has to repeat what matters. Any thread may use
 /// any function.
 ///
-/// When the addresses of this computer change, the participant is made anew behind this interface,
-/// on a thread of its own (see RenewalPolicy). Statistics go on, what was received stays, session
-/// and localizer status are told again; what is sent meanwhile, for some tenths of a second, is
-/// lost.
+/// When the addresses of this computer change, or the discovery server was started again, the
+/// participant is made anew behind this interface, on a thread of its own (see RenewalPolicy).
+/// Statistics go on, what was received stays, session and localizer status are told again; what is
+/// sent meanwhile, for some tenths of a second, is lost.
 class DdsChannel final : public Channel {
  public:
   using Config = DdsEnd;

@@ -51,6 +51,7 @@ void RenewalPolicy::made(const Basis& basis, Time now) {
   }
   changed_ = false;
   peers_changed_ = false;
+  server_restarted_ = false;
   tried_at_ = now;
   failures_ = 0;
 }
@@ -102,6 +103,7 @@ std::optional<std::string> RenewalPolicy::due(Time now) const {
     return "the network has changed, addresses are now " + words(addresses_);
   }
   if (peers_changed_) return "peers have moved, they are now " + words(peers_);
+  if (server_restarted_) return "the discovery server was started again";
   if (heard_at_ && now - std::max(*heard_at_, tried_at_) > patience_) {
     return "nothing has been heard for " +
            std::to_string(std::chrono::duration_cast<seconds>(now - *heard_at_).count()) + " s";

@@ -13,7 +13,8 @@ namespace fleetloc {
 /// Decides when a participant has to be made anew. It does not survive that an address which it
 /// was made on goes, even if the same one comes back, and does not use one that comes. Where
 /// nothing arrives for longer than its lease, though something has before, it is made anew as
-/// well, for what cannot be seen from here; then again after twice as long, and so on.
+/// well, for what cannot be seen from here; then again after twice as long, and so on. So it is
+/// when its discovery server was started again, see RestartWatch.
 ///
 /// The addresses of named peers are looked up from time to time; a new one makes it due, too.
 ///
@@ -41,6 +42,9 @@ class RenewalPolicy {
   /// These addresses went; they may be back before anyone can see that they are missing.
   void lost(const InterfaceAddresses& addresses, Time now);
 
+  /// A discovery server has no memory of the participant, nor understands it what that says.
+  void server_restarted() { server_restarted_ = true; }
+
   /// What a lookup of the named peers has found.
   void found(const FoundPeers& peers, Time now);
   /// A lookup is due. It counts as begun: the next one is due later.
@@ -66,6 +70,7 @@ class RenewalPolicy {
   FoundPeers peers_;              // as last found
   bool changed_ = false;          // of the addresses since it was made, be it only for a while
   bool peers_changed_ = false;
+  bool server_restarted_ = false;
   Time changed_at_;
   Time tried_at_;
   int failures_ = 0;

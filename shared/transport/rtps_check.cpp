@@ -6,12 +6,14 @@
 #include <limits>
 #include <optional>
 
+#include "shared/transport/rtps_message.hpp"
+
 namespace fleetloc {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
+using Bytes = RtpsBytes;
+using Fields = RtpsFields;
 
-constexpr std::size_t kHeader = 20;
 constexpr std::array<std::uint8_t, 4> kMagic{'R', 'T', 'P', 'S'};
 constexpr std::uint8_t kMajorVersion = 2;
 constexpr std::uint32_t kMostBitsOfASet = 256;
@@ -19,67 +21,6 @@ constexpr std::int64_t kMostNumbers = 1 << 20;  // of samples, said to be gone o
 constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max();
 constexpr std::size_t kStatisticsBytes = 56;
 constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has
-
-enum Submessage : std::uint8_t {
-  kPad = 0x01,
-  kAckNack = 0x06,
-  kHeartbeat = 0x07,
-  kGap = 0x08,
-  kInfoTimestamp = 0x09,
-  kInfoSource = 0x0c,
-  kInfoDestination = 0x0e,
-  kNackFrag = 0x12,
-  kHeartbeatFrag = 0x13,
-  kData = 0x15,
-  kDataFrag = 0x16,
-  kStatistics = 0x80,  // of Fast DDS, behind every message
-};
-
-enum Flag : std::uint8_t {
-  kLittleEndian = 0x01,
-  kInlineQos = 0x02,
-  kHasData = 0x04,
-  kHasKey = 0x08
-};
-
-/// Takes fields off the front; once something is missing, all that follows is, too.
-class Fields {
- public:
-  Fields(Bytes bytes, bool is_little_endian) : bytes_(bytes), is_little_endian_(is_little_endian) {}
-
-  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
-  std::uint32_t u32() { return static_cast<std::uint32_t>(number(4)); }
-  std::int64_t sequence_number() {
-    const auto high = static_cast<std::int32_t>(u32());
-    return (std::int64_t{high} << 32U) + u32();
-  }
-  Bytes skip(std::size_t count) {
-    if (count > bytes_.size()) {
-      is_complete_ = false;
-      bytes_ = {};
-      return {};
-    }
-    const Bytes taken = bytes_.first(count);
-    bytes_ = bytes_.subspan(count);
-    return taken;
-  }
-  Bytes rest() { return skip(bytes_.size()); }
-  [[nodiscard]] bool is_complete() const { return is_complete_; }
-
- private:
-  std::uint64_t number(std::size_t size) {
-    std::uint64_t value = 0;
-    const Bytes taken = skip(size);
-    for (std::size_t i = 0; i < taken.size(); ++i) {
-      value = (value << 8U) | taken[is_little_endian_ ? taken.size() - 1 - i : i];
-    }
-    return value;
-  }
-
-  Bytes bytes_;
-  bool is_little_endian_;
-  bool is_complete_ = true;
-};
 
 bool has_bitmap(Fields& fields) {
   const std::uint32_t bits = fields.u32();
@@ -131,8 +72,7 @@ std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
   if (offset < kCommon + own) return std::nullopt;
   fields.u32();  // reader
   SampleHead head;
-  const Bytes writer = fields.skip(4);  // big endian always
-  for (const std::uint8_t byte : writer) head.writer = (head.writer << 8U) | byte;
+  head.writer = fields.entity();
   head.number = fields.sequence_number();
   head.own = fields.skip(own);
   fields.skip(offset - kCommon - own);
@@ -215,55 +155,49 @@ bool is_statistics(std::uint8_t flags, std::size_t length) {
   return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
 }
 
-bool is_submessage(std::uint8_t id, std::uint8_t flags, Bytes body) {
-  const Fields fields(body, (flags & kLittleEndian) != 0);
-  switch (id) {
-    case kPad:
+bool is_valid(const RtpsSubmessage& submessage) {
+  const auto& [kind, flags, body] = submessage;
+  const Fields fields = submessage.fields();
+  switch (kind) {
+    case RtpsKind::kPad:
       return true;
-    case kAckNack:
+    case RtpsKind::kAckNack:
       return is_ack_nack(fields);
-    case kHeartbeat:
+    case RtpsKind::kHeartbeat:
       return is_heartbeat(fields);
-    case kGap:
+    case RtpsKind::kGap:
       return is_gap(fields);
-    case kInfoTimestamp:
+    case RtpsKind::kInfoTimestamp:
       return (flags & kInlineQos) != 0 || body.size() >= 8;  // 2: no stamp
-    case kInfoSource:
-      return body.size() >= kHeader;
-    case kInfoDestination:
+    case RtpsKind::kInfoSource:
+      return body.size() >= kRtpsHeaderBytes;
+    case RtpsKind::kInfoDestination:
       return body.size() >= 12;
-    case kNackFrag:
+    case RtpsKind::kNackFrag:
       return is_nack_frag(fields);
-    case kHeartbeatFrag:
+    case RtpsKind::kHeartbeatFrag:
       return is_heartbeat_frag(fields);
-    case kData:
+    case RtpsKind::kData:
       return is_data(fields, flags);
-    case kDataFrag:
+    case RtpsKind::kDataFrag:
       return is_data_frag(fields, flags);
-    default:
-      return false;
+    case RtpsKind::kStatistics:
+      return is_statistics(flags, body.size());
   }
+  return false;
 }
 
 }  // namespace
 
 bool is_well_formed_rtps(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() < kHeader || !std::ranges::equal(datagram.first(4), kMagic)) return false;
+  if (datagram.size() < kRtpsHeaderBytes) return false;
+  if (!std::ranges::equal(datagram.first(4), kMagic)) return false;
   if (datagram[4] != kMajorVersion) return false;
-  Bytes rest = datagram.subspan(kHeader);
+  Bytes rest = datagram.subspan(kRtpsHeaderBytes);
   while (!rest.empty()) {
-    if (rest.size() < 4) return false;
-    const std::uint8_t id = rest[0];
-    const std::uint8_t flags = rest[1];
-    Fields length_field(rest.subspan(2, 2), (flags & kLittleEndian) != 0);
-    std::size_t length = length_field.u16();
-    rest = rest.subspan(4);
-    // The last one may be longer than its length can say.
-    if (length == 0 && id != kPad && id != kInfoTimestamp) length = rest.size();
-    if (length > rest.size()) return false;
-    if (id == kStatistics) return is_statistics(flags, length) && length == rest.size();
-    if (!is_submessage(id, flags, rest.first(length))) return false;
-    rest = rest.subspan(length);
+    const auto submessage = take_submessage(rest);
+    if (!submessage || !is_valid(*submessage)) return false;
+    if (submessage->kind == RtpsKind::kStatistics && !rest.empty()) return false;
   }
   return true;
 }

@@ -23,8 +23,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 constexpr std::uint32_t kIpUdpBytes = 28;  // headers of IPv4 and UDP
-constexpr std::size_t kGuidPrefixAt = 8;   // in the RTPS header
-constexpr std::uint32_t kRtpsHeaderBytes = 20;
 
 Timestamp to_timestamp(WireLink::Clock::time_point time) {
   return Timestamp(std::chrono::duration_cast<Duration>(time.time_since_epoch()));
@@ -170,7 +168,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
     return;
   }
   if (!delay_line_) {
-    link_->count_received(size);
+    link_->count_received(buffer, size);
     receiver->OnDataReceived(buffer, size, local, remote);
     return;
   }
@@ -178,7 +176,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   if (!due) return;
   const auto deliver = [this, receiver, local, remote](const std::vector<rtps::octet>& copy) {
     const auto bytes = static_cast<std::uint32_t>(copy.size());
-    link_->count_received(bytes);
+    link_->count_received(copy.data(), bytes);
     receiver->OnDataReceived(copy.data(), bytes, local, remote);
   };
   delay_line_->at(
@@ -198,9 +196,10 @@ WireLink::WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
   incoming_.emplace(is_robot ? link->downlink : link->uplink, link->seed + 1);
 }
 
-void WireLink::begin_participant() {
+void WireLink::begin_participant(const std::set<GuidPrefix>& servers) {
   const std::lock_guard lock(mutex_);
   own_prefix_.reset();
+  servers_.watch(servers);
 }
 
 std::optional<WireLink::Clock::time_point> WireLink::outgoing_at(std::uint32_t datagram_bytes) {
@@ -221,8 +220,9 @@ void WireLink::count_sent(const std::uint8_t* datagram, std::uint32_t bytes) {
   std::copy_n(datagram + kGuidPrefixAt, GuidPrefix().size(), own_prefix_.emplace().begin());
 }
 
-void WireLink::count_received(std::uint32_t bytes) {
+void WireLink::count_received(const std::uint8_t* datagram, std::uint32_t bytes) {
   const std::lock_guard lock(mutex_);
+  servers_.observe({datagram, bytes}, Clock::now());
   ++traffic_.received_datagrams;
   traffic_.received_bytes += bytes + kIpUdpBytes;
 }
@@ -241,6 +241,11 @@ bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
 WireTraffic WireLink::traffic() const {
   const std::lock_guard lock(mutex_);
   return traffic_;
+}
+
+bool WireLink::has_server_restarted() const {
+  const std::lock_guard lock(mutex_);
+  return servers_.has_restarted();
 }
 
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,

@@ -1,15 +1,17 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
 #include "shared/link/link_model.hpp"
+#include "shared/transport/restart_watch.hpp"
+#include "shared/transport/rtps_message.hpp"
 
 namespace fleetloc {
 
@@ -38,7 +40,8 @@ class WireLink {
   WireLink(ChannelRole role, const std::optional<LinkConfig>& link);
 
   /// To be called before each participant is made.
-  void begin_participant();
+  /// @param servers  those of discovery, which it will be a client of
+  void begin_participant(const std::set<GuidPrefix>& servers);
 
   [[nodiscard]] bool is_emulated() const { return outgoing_.has_value(); }
 
@@ -47,20 +50,21 @@ class WireLink {
   std::optional<Clock::time_point> incoming_at(std::uint32_t datagram_bytes);
 
   void count_sent(const std::uint8_t* datagram, std::uint32_t bytes);
-  void count_received(std::uint32_t bytes);
+  void count_received(const std::uint8_t* datagram, std::uint32_t bytes);
   void count_malformed();
   /// True for a multicast that comes back to its sender; it never left the computer.
   [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
 
   [[nodiscard]] WireTraffic traffic() const;
+  /// A discovery server was started again since begin_participant().
+  [[nodiscard]] bool has_server_restarted() const;
 
  private:
-  using GuidPrefix = std::array<std::uint8_t, 12>;
-
   mutable std::mutex mutex_;
   std::optional<LinkModel> outgoing_, incoming_;  // guarded by mutex_, but not whether they exist
   std::optional<GuidPrefix> own_prefix_;          // guarded by mutex_
   WireTraffic traffic_;                           // guarded by mutex_
+  RestartWatch servers_;                          // guarded by mutex_
 };
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;

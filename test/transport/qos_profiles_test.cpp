@@ -117,7 +117,7 @@ TEST_F(QosProfilesTest, LetAParticipantStartWithoutItsDiscoveryServer) {
   const Participant found(network.domain(),
                           "client",
                           nullptr,
-                          {.identity = {}, .peers = FoundPeers{{server, "127.0.0.1"}}});
+                          {.predecessor = {}, .peers = FoundPeers{{server, "127.0.0.1"}}});
   EXPECT_EQ(found.peers().size(), 1);
 }
 

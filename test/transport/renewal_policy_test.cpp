@@ -161,6 +161,14 @@ TEST_F(RenewalPolicyTest, LooksPeersUpMoreOftenWhileNothingIsHeard) {
   EXPECT_GE(lookups(20 * 60), 55);
 }
 
+TEST_F(RenewalPolicyTest, MakesOneAfterItsDiscoveryServerWasStartedAgain) {
+  hears_ = true;
+  watch(seconds(5), kHome);
+  policy_.server_restarted();
+  EXPECT_EQ(watch(seconds(60), kHome), 1);
+  EXPECT_THAT(reason_, HasSubstr("discovery server"));
+}
+
 TEST_F(RenewalPolicyTest, MakesOneAfterALeaseOfSilenceAndThenMoreAndMoreSeldom) {
   hears_ = true;
   watch(seconds(5), kHome);

@@ -1,5 +1,7 @@
 // Participants that lose their network, in a namespace where loopback's address goes and returns.
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -10,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/system/child_program.hpp"
 #include "test/system/network_namespace.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
@@ -37,12 +40,18 @@ class Renewal : public testing::Test {
     if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
     computer_.emplace();
     const auto inside = computer_->enter();
+    if (!start_discovery()) return;
     cloud_ = channel(ChannelRole::kCloud, "cloud_1");
     robot_ = channel(ChannelRole::kRobot, "robot_1");
   }
 
+  /// What the participants need to meet; false where the test has to be skipped.
+  virtual bool start_discovery() { return true; }
+
   [[nodiscard]] std::unique_ptr<DdsChannel> channel(ChannelRole role, const std::string& name) {
-    return std::make_unique<DdsChannel>(on_loopback(network_.domain(), role, name));
+    auto end = on_loopback(network_.domain(), role, name);
+    end.participant_profile = profile_;
+    return std::make_unique<DdsChannel>(end);
   }
 
   void take_network_away() { computer_->ip("address delete 127.0.0.1/8 dev lo"); }
@@ -60,15 +69,19 @@ class Renewal : public testing::Test {
   }
 
   [[nodiscard]] bool submap_arrives(std::uint32_t number) {
+    return submap_arrives(*robot_, number);
+  }
+  [[nodiscard]] bool submap_arrives(DdsChannel& from, std::uint32_t number) {
     return receives(
         *cloud_,
-        [&] { robot_->send("cloud_1", numbered_submap(number), {}); },
+        [&] { from.send("cloud_1", numbered_submap(number), {}); },
         [&](const Message& message) {
           return message.topic == Topic::kSubmap && number_of(message) == number;
         });
   }
 
   const TestNetwork network_;
+  std::string profile_ = "loopback";
   std::optional<NetworkNamespace> computer_;
   std::unique_ptr<DdsChannel> cloud_, robot_;
 };
@@ -149,6 +162,56 @@ TEST_F(Renewal, EndsCleanlyAtAnyMoment) {
     ending.reset();
   }
   EXPECT_TRUE(submap_arrives(1));
+}
+
+/// The same by a discovery server.
+class RenewalByServer : public Renewal {
+ protected:
+  static constexpr const char* kServer = "/usr/bin/fast-discovery-server";
+
+  RenewalByServer() { profile_ = "loopback_client"; }
+
+  bool start_discovery() override {
+    if (!std::filesystem::exists(kServer)) {
+      [] { GTEST_SKIP() << "there is no " << kServer; }();
+      return false;
+    }
+    start_server();
+    return true;
+  }
+
+  void start_server() {
+    const std::vector<std::string> words{"-i", "0", "-l", "127.0.0.1", "-p", "11811"};
+    server_ = std::make_unique<ChildProgram>(kServer, words);
+  }
+
+  std::unique_ptr<ChildProgram> server_;
+};
+
+// Those who have met do not notice that it is gone, but those who come after its return are found
+// by nobody, unless the participants notice that it began anew.
+TEST_F(RenewalByServer, MeetsThoseWhoComeAfterTheServerWasStartedAgain) {
+  const auto inside = computer_->enter();
+  ASSERT_TRUE(submap_arrives(1));
+  for (std::uint32_t i = 0; i < 5; ++i) {  // a longer life of the server than that after it
+    ASSERT_TRUE(submap_arrives(*channel(ChannelRole::kRobot, "robot_2"), 10 + i)) << i;
+  }
+  for (std::uint32_t again = 1; again <= 2; ++again) {
+    server_->signal(SIGKILL);
+    server_->wait();
+    start_server();
+    const auto newcomer = channel(ChannelRole::kRobot, "robot_3");
+    const auto send = [&] {
+      newcomer->send("cloud_1", numbered_submap(20 + again), {});
+      robot_->send("cloud_1", numbered_submap(1), {});  // the cloud is not without news meanwhile
+    };
+    EXPECT_TRUE(receives(*cloud_, send, [&](const Message& message) {
+      return message.topic == Topic::kSubmap && number_of(message) == 20 + again;
+    })) << again;
+    EXPECT_TRUE(submap_arrives(30 + again)) << again;
+    EXPECT_EQ(cloud_->diagnostics().renewals, again);
+  }
+  EXPECT_THAT(cloud_->take_events(), Contains(HasSubstr("the discovery server was started again")));
 }
 
 }  // namespace

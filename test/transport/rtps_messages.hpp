@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "shared/link/channel.hpp"
+#include "shared/transport/rtps_message.hpp"
 
 namespace fleetloc {
 
-/// RTPS messages, little endian, as nobody but a test builds them.
-using GuidPrefix = std::array<std::uint8_t, 12>;
+// RTPS messages, little endian, as nobody but a test builds them.
 
 class ByteWriter {
  public:
@@ -67,15 +67,18 @@ inline Bytes ack_nack(std::uint32_t bits) {
                         .written());
 }
 
-inline Bytes heartbeat(std::uint64_t first, std::uint64_t last) {
+inline Bytes heartbeat(std::uint64_t first,
+                       std::uint64_t last,
+                       std::uint32_t count = 9,
+                       std::uint32_t writer = kPublicationsWriter) {
   return submessage(0x07,
                     1,
                     ByteWriter()
                         .entity(0)
-                        .entity(kPublicationsWriter)
+                        .entity(writer)
                         .sequence_number(first)
                         .sequence_number(last)
-                        .u32(9)
+                        .u32(count)
                         .written());
 }
 
