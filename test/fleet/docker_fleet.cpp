@@ -13,6 +13,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::array<const char*, 2> kSites{"east", "west"};
+constexpr int kSubnets = 240;
 
 Outcome tried(const std::vector<std::string>& words) {
   std::vector<std::string> command{"docker"};
@@ -82,16 +83,29 @@ std::optional<std::string> DockerFleet::why_impossible() {
 DockerFleet::DockerFleet(std::filesystem::path outputs)
     : outputs_(std::move(outputs)),
       prefix_("fleetloc-test-" + std::to_string(getpid())),
-      first_subnet_(2 * static_cast<int>(getpid() % 120)) {
+      first_subnet_(2 * static_cast<int>(getpid() % (kSubnets / 2))) {
   clean_up_after_this_process(prefix_);
   try {
     make_image(prefix_);
-    for (const char* site : kSites) {
-      docker({"network", "create", "--internal", "--subnet", subnet(site) + ".0/24", full(site)});
-    }
+    for (const char* site : kSites) create_network(site);
   } catch (...) {
     remove_everything();
     throw;
+  }
+}
+
+// Another fleet may be on the addresses: there are as many as an octet has, twice the process's
+// number to begin with.
+void DockerFleet::create_network(const std::string& site) {
+  for (int tries = 0;; ++tries) {
+    subnets_[site] = "10.213." + std::to_string((first_subnet_ + tries) % kSubnets);
+    try {
+      docker({"network", "create", "--internal", "--subnet", subnet(site) + ".0/24", full(site)});
+      return;
+    } catch (const std::runtime_error& error) {
+      const bool is_taken = std::string(error.what()).find("overlaps") != std::string::npos;
+      if (!is_taken || tries == kSubnets) throw;
+    }
   }
 }
 
@@ -110,7 +124,7 @@ void DockerFleet::remove_everything() const noexcept {
 }
 
 std::string DockerFleet::subnet(const std::string& site) const {
-  return "10.213." + std::to_string(first_subnet_ + (site == kSites.front() ? 0 : 1));
+  return subnets_.at(site);
 }
 
 void DockerFleet::create(const std::string& name,

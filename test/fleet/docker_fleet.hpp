@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -58,6 +59,7 @@ class DockerFleet {
 
  private:
   [[nodiscard]] std::string full(const std::string& name) const { return prefix_ + "-" + name; }
+  void create_network(const std::string& site);
   [[nodiscard]] std::string subnet(const std::string& site) const;
   void create(const std::string& name,
               const std::string& network,
@@ -68,6 +70,7 @@ class DockerFleet {
   std::filesystem::path outputs_;
   std::string prefix_;
   int first_subnet_ = 0;
+  std::map<std::string, std::string> subnets_;  // by site
   std::vector<std::string> containers_;
 };
 

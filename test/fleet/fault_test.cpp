@@ -28,6 +28,7 @@ using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
 constexpr double kFaultAt = 12.0;  // into the drive of robot_1 [s]
+constexpr double kUnderWay = 6.0;  // likewise of any robot: it has answers [s]
 constexpr double kDrive = 50.0;    // of each robot [s]
 // At most [s of data]: once nothing is in the way, and when the other localizer has to take over,
 // for a robot moves only after 3 s and four round trips without an answer.
@@ -54,9 +55,12 @@ class Fault : public testing::Test {
 
   [[nodiscard]] const DockerFleet& containers() const { return fleet_->containers(); }
 
-  /// Until the first robot is so far into its drive.
+  /// Until the first robot is so far into its drive, and all are on their way.
   void start_robots() {
     for (const DrivingRobot& robot : robots_) fleet_->start_robot(robot, robot.id);
+    for (const DrivingRobot& robot : robots_) {
+      wait_for_data(fleet_->folder_of(robot.id), std::chrono::duration<double>(kUnderWay));
+    }
     wait_until(kFaultAt);
   }
 

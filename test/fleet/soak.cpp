@@ -1,6 +1,6 @@
 // Hours of a fleet in containers: two localizers and four robots that drive through a made-up world
 // in real time, with faults at random. What each process needs at the end is compared with what it
-// needed a sixth of the time after the beginning, or after its last start.
+// needed a sixth of the time (five minutes at least) after the beginning, or after its last start.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -34,6 +34,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kMostGrowth = 0.1;  // of memory
 constexpr double kSettling = 60.0;   // after the last fault, before the end [s]
+constexpr double kWarmUp = 300.0;    // of a process [s]
 constexpr std::array kBetweenFaults_s{20.0, 60.0};
 
 /// What a process needs.
@@ -55,17 +56,32 @@ Needs needs_of(const std::string& pid) {
           .descriptors = static_cast<int>(descriptors)};
 }
 
-/// A process under watch.
+/// A process under watch. Threads come and go, to look up a name for example: what counts is the
+/// most of them while it warmed up, and the fewest after the last fault.
 struct Watched {
   double started_s = 0.0;
-  std::optional<Needs> before;
-  Needs now;
+  Needs before;
+  std::optional<Needs> now;
 };
+
+Needs fewest(const std::optional<Needs>& before, const Needs& now) {
+  if (!before) return now;
+  return {.memory_mb = now.memory_mb,
+          .threads = std::min(before->threads, now.threads),
+          .descriptors = std::min(before->descriptors, now.descriptors)};
+}
+
+Needs most(const Needs& before, const Needs& now) {
+  return {.memory_mb = now.memory_mb,
+          .threads = std::max(before.threads, now.threads),
+          .descriptors = std::max(before.descriptors, now.descriptors)};
+}
 
 class Soak {
  public:
   Soak(double minutes, unsigned seed, const fs::path& out)
       : length_s_(60.0 * minutes),
+        warm_up_s_(std::min(length_s_ / 3.0, std::max(length_s_ / 6.0, kWarmUp))),
         random_(seed),
         world_(DrivenWorld::kept(length_s_ + kStagger + 10.0)),
         robots_{{"robot_1", "east", world_.forward, 0.0},
@@ -168,9 +184,11 @@ class Soak {
     for (auto& [name, watched] : watched_) {
       const std::string pid = fleet_.containers().inspect(name, "{{.State.Pid}}");
       if (pid == "0") continue;  // has ended; the report tells how
-      watched.now = needs_of(pid);
-      if (!watched.before && elapsed_s() - watched.started_s >= length_s_ / 6.0) {
-        watched.before = watched.now;
+      const Needs now = needs_of(pid);
+      if (elapsed_s() - watched.started_s < warm_up_s_) {
+        watched.before = most(watched.before, now);
+      } else if (elapsed_s() > length_s_ - kSettling) {
+        watched.now = fewest(watched.now, now);
       }
     }
   }
@@ -184,13 +202,13 @@ class Soak {
                 "threads",
                 "descriptors");
     for (const auto& [name, watched] : watched_) {
-      if (!watched.before) {
+      if (!watched.now) {
         std::printf("%-12s ran for too short\n", name.c_str());
         good = false;
         continue;
       }
-      const Needs& before = *watched.before;
-      const Needs& now = watched.now;
+      const Needs& before = watched.before;
+      const Needs& now = *watched.now;
       const bool has_grown = now.memory_mb > (1.0 + kMostGrowth) * before.memory_mb ||
                              now.threads > before.threads || now.descriptors > before.descriptors;
       good = good && !has_grown;
@@ -238,6 +256,7 @@ class Soak {
   }
 
   double length_s_;
+  double warm_up_s_;
   std::mt19937 random_;
   DrivenWorld world_;
   std::vector<DrivingRobot> robots_;
