@@ -140,7 +140,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   const Participant& first = connection_->participant();
   const std::vector<std::string> whitelist = first.whitelist();
   ParticipantStart start{.predecessor = first.identity(), .peers = first.peers()};
-  RenewalPolicy policy(first.lease());
+  RenewalPolicy policy({.lease = first.lease(), .announcements = first.announcement_period()});
   policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
   bool was_cut_off = false;
   while (!stop.stop_requested()) {

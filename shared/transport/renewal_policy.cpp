@@ -13,7 +13,6 @@ constexpr milliseconds kSettling{100};
 // Between attempts, while addresses come and go.
 constexpr seconds kLeastInterval{1};
 constexpr int kMostDoublings = 5;
-constexpr seconds kPatienceAfterChange{3};
 // Everyone who is there is heard more often: each second a localizer tells of itself.
 constexpr seconds kSilence{2};
 constexpr seconds kSilentLookupInterval{1};
@@ -45,9 +44,9 @@ void RenewalPolicy::made(const Basis& basis, Time now) {
   peers_ = basis.peers;
   if (!heard_at_) heard_at_ = now;
   if (changed_ || peers_changed_) {
-    patience_ = std::min<Clock::duration>(kPatienceAfterChange, lease_);
+    patience_ = std::min(2 * timing_.announcements, timing_.lease);
   } else if (now - *heard_at_ > patience_) {
-    patience_ = std::clamp(2 * patience_, lease_, doubled(lease_, kMostDoublings));
+    patience_ = std::clamp(2 * patience_, timing_.lease, doubled(timing_.lease, kMostDoublings));
   }
   changed_ = false;
   peers_changed_ = false;
@@ -68,7 +67,7 @@ void RenewalPolicy::observe(const InterfaceAddresses& addresses, std::uint64_t h
   if (heard == heard_) return;
   heard_ = heard;
   heard_at_ = now;
-  patience_ = lease_;
+  patience_ = timing_.lease;
 }
 
 void RenewalPolicy::lost(const InterfaceAddresses& addresses, Time now) {

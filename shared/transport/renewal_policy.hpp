@@ -13,8 +13,9 @@ namespace fleetloc {
 /// Decides when a participant has to be made anew. It does not survive that an address which it
 /// was made on goes, even if the same one comes back, and does not use one that comes. Where
 /// nothing arrives for longer than its lease, though something has before, it is made anew as
-/// well, for what cannot be seen from here; then again after twice as long, and so on. So it is
-/// when its discovery server was started again, see RestartWatch.
+/// well, for what cannot be seen from here; then again after twice as long, and so on. After a
+/// change it is given the time of two announcements: the others may know of it only by theirs. And
+/// it is made anew when its discovery server was started again, see RestartWatch.
 ///
 /// The addresses of named peers are looked up from time to time; a new one makes it due, too.
 ///
@@ -24,8 +25,12 @@ class RenewalPolicy {
   using Clock = std::chrono::steady_clock;
   using Time = Clock::time_point;
 
-  /// @param lease  of the participant
-  explicit RenewalPolicy(Clock::duration lease) : lease_(lease), patience_(lease) {}
+  /// Of the participant, see its QoS.
+  struct Timing {
+    Clock::duration lease;
+    Clock::duration announcements;  ///< from one to the next
+  };
+  explicit RenewalPolicy(const Timing& timing) : timing_(timing), patience_(timing.lease) {}
 
   /// What a participant was made with.
   struct Basis {
@@ -63,7 +68,7 @@ class RenewalPolicy {
   }
 
  private:
-  Clock::duration lease_;
+  Timing timing_;
   Clock::duration patience_;  // with silence
   Basis basis_;
   InterfaceAddresses addresses_;  // as last seen

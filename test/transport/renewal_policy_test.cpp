@@ -38,7 +38,7 @@ class RenewalPolicyTest : public testing::Test {
     return renewals;
   }
 
-  RenewalPolicy policy_{seconds(20)};
+  RenewalPolicy policy_{{.lease = seconds(20), .announcements = seconds(3)}};
   RenewalPolicy::Time now_{seconds(1000)};
   std::uint64_t heard_ = 0;
   bool hears_ = false;
@@ -65,12 +65,12 @@ TEST_F(RenewalPolicyTest, MakesOneSoonAfterAnotherAddressAndOnlyOne) {
   EXPECT_EQ(watch(seconds(60), kAway), 0);
 }
 
-TEST_F(RenewalPolicyTest, TriesOnceMoreSoonWhenNobodyIsHeardAfterAChange) {
+TEST_F(RenewalPolicyTest, TriesOnceMoreAfterTwoAnnouncementsWhenNobodyIsHeardAfterAChange) {
   hears_ = true;
   watch(seconds(5), kHome);
   hears_ = false;
   EXPECT_EQ(watch(milliseconds(200), kAway), 1);
-  EXPECT_EQ(watch(milliseconds(2700), kAway), 0);
+  EXPECT_EQ(watch(milliseconds(5700), kAway), 0);
   EXPECT_EQ(watch(milliseconds(500), kAway), 1);
   EXPECT_EQ(watch(seconds(19), kAway), 0);
   EXPECT_EQ(watch(seconds(2), kAway), 1);
