@@ -7,38 +7,32 @@
 namespace fleetloc {
 namespace {
 
-/// hash = (hash ^ byte) * (2^88 + 0x13b) modulo 2^128, on two halves.
+__extension__ using Uint128 = unsigned __int128;
+
+constexpr Uint128 joined(std::uint64_t high, std::uint64_t low) {
+  return Uint128{high} << 64U | low;
+}
+
 class Fnv1a128 {
  public:
-  void add_byte(std::uint8_t byte) {
-    constexpr std::uint64_t kLowPrime = 0x13b;
-    low_ ^= byte;
-    const std::uint64_t low_half = (low_ & 0xffffffffU) * kLowPrime;
-    const std::uint64_t high_half = (low_ >> 32U) * kLowPrime + (low_half >> 32U);
-    high_ = high_ * kLowPrime + (high_half >> 32U) + (low_ << 24U);
-    low_ = (high_half << 32U) | (low_half & 0xffffffffU);
-  }
-
   void add(float value) {
+    constexpr Uint128 kPrime = joined(1U << 24U, 0x13b);
     const auto bits = std::bit_cast<std::uint32_t>(value);
     for (unsigned int shift = 0; shift < 32; shift += 8) {
-      add_byte(static_cast<std::uint8_t>(bits >> shift));
+      hash_ = (hash_ ^ static_cast<std::uint8_t>(bits >> shift)) * kPrime;
     }
   }
 
   [[nodiscard]] MapHash digest() const {
     MapHash hash{};
-    for (std::size_t i = 0; i < 8; ++i) {
-      const auto shift = static_cast<unsigned int>(56 - 8 * i);
-      hash[i] = static_cast<std::uint8_t>(high_ >> shift);
-      hash[8 + i] = static_cast<std::uint8_t>(low_ >> shift);
+    for (std::size_t i = 0; i < hash.size(); ++i) {
+      hash[i] = static_cast<std::uint8_t>(hash_ >> (120 - 8 * i));
     }
     return hash;
   }
 
  private:
-  std::uint64_t high_ = 0x6c62272e07bb0142U;
-  std::uint64_t low_ = 0x62b821756295c58dU;
+  Uint128 hash_ = joined(0x6c62272e07bb0142U, 0x62b821756295c58dU);
 };
 
 }  // namespace

@@ -105,20 +105,34 @@ Load loader(std::uint8_t datatype) {
   }
 }
 
-PointTable read_pcd(const std::filesystem::path& file, const std::vector<std::string>& fields) {
-  const pcl::PCLPointCloud2 cloud = read_pcl_cloud(file);
-  const auto rows = static_cast<Eigen::Index>(std::size_t{cloud.width} * cloud.height);
-  PointTable table(rows, static_cast<Eigen::Index>(fields.size()));
-  for (Eigen::Index column = 0; column < table.cols(); ++column) {
-    const std::string& name = fields[static_cast<std::size_t>(column)];
+/// How a column of a table is read from a point's bytes.
+struct Column {
+  Load load = nullptr;
+  std::size_t offset = 0;
+};
+
+std::vector<Column> columns_of(const pcl::PCLPointCloud2& cloud,
+                               const std::filesystem::path& file,
+                               const std::vector<std::string>& fields) {
+  std::vector<Column> columns;
+  for (const std::string& name : fields) {
     const auto field = std::ranges::find(cloud.fields, name, &pcl::PCLPointField::name);
     if (field == cloud.fields.end()) fail(file, "its points have no field '" + name + "'");
-    const Load load_field = loader(field->datatype);
-    if (load_field == nullptr) fail(file, "field '" + name + "' is of an unknown type");
-    const std::uint8_t* bytes = cloud.data.data() + field->offset;
-    for (Eigen::Index row = 0; row < rows; ++row, bytes += cloud.point_step) {
-      table(row, column) = load_field(bytes);
-    }
+    columns.push_back({.load = loader(field->datatype), .offset = field->offset});
+    if (columns.back().load == nullptr) fail(file, "field '" + name + "' is of an unknown type");
+  }
+  return columns;
+}
+
+PointTable read_pcd(const std::filesystem::path& file, const std::vector<std::string>& fields) {
+  const pcl::PCLPointCloud2 cloud = read_pcl_cloud(file);
+  const std::vector<Column> columns = columns_of(cloud, file, fields);
+  PointTable table(static_cast<Eigen::Index>(std::size_t{cloud.width} * cloud.height),
+                   static_cast<Eigen::Index>(columns.size()));
+  const std::uint8_t* point = cloud.data.data();
+  for (float* value = table.data(); value != table.data() + table.size();) {
+    for (const Column& column : columns) *value++ = column.load(point + column.offset);
+    point += cloud.point_step;
   }
   return table;
 }

@@ -107,7 +107,7 @@ class Fault : public testing::Test {
       const auto confidence = expect_localized_at_the_end(robot, robot.id);
       const auto run = fleet_->folder_of(robot.id);
       const double after_s = until_answer(run, back.at(robot.id));
-      EXPECT_LE(after_s, limit_s) << robot.id;
+      EXPECT_LE(after_s, limit_s) << robot.id << '\n' << containers().logs(robot.id);
       std::printf("%-9s %14.1f s %14.1f s %14.1f s %11.3f m\n",
                   robot.id.c_str(),
                   longest_silence(run, began.at(robot.id)),
