@@ -34,6 +34,7 @@ class IcpLocalizer final : public MapLocalizer {
   void submit(Submap submap, Timestamp now) override;
   [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  void note_applied() override {}
   void update_start(const StartPose&) override {}  // nobody else could begin with it
 
  private:

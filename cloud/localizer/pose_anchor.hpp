@@ -26,13 +26,13 @@ struct DriftConfig {
 /// What is known about the place of `odom` in the map apart from the window's matches: the start
 /// pose until the session has been localized, then the newest localized keyframe.
 struct PoseAnchor {
-  std::optional<KeyframeId> keyframe;  ///< none: the origin of `odom`
-  Pose T_odom_body;                    ///< of that keyframe, when it was localized
+  std::optional<KeyframeId> keyframe;  ///< none: where the start pose was known
+  Pose T_odom_body;                    ///< there; of that keyframe, when it was localized
   double travelled_m = 0.0;            ///< of the odometry until then
   PoseBelief belief;
 
   /// Carried by odometry to a later (or earlier) pose of the same session, `travelled_m_later` from
-  /// the origin of `odom`. The drift grows with the path: a loop that comes back is no shorter for
+  /// where the path begins. The drift grows with the path: a loop that comes back is no shorter for
   /// it.
   [[nodiscard]] PoseBelief at(const Pose& T_odom_later,
                               double travelled_m_later,

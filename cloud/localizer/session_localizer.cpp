@@ -37,10 +37,15 @@ Matrix6d diagonal(double rotation, double translation) {
 
 std::optional<PoseAnchor> anchor_at_start(const RobotSession& session) {
   if (!session.start) return std::nullopt;
-  return PoseAnchor{.keyframe = std::nullopt,
-                    .T_odom_body = Pose{},
-                    .travelled_m = 0.0,
-                    .belief = {session.start->T_map_odom, session.start->covariance}};
+  const StartPose& start = *session.start;
+  Pose T_odom_known;
+  T_odom_known.p = start.p_odom;
+  const Matrix6d A = adjoint(inverse(T_odom_known));
+  return PoseAnchor{
+      .keyframe = std::nullopt,
+      .T_odom_body = T_odom_known,
+      .travelled_m = 0.0,
+      .belief = {start.T_map_odom * T_odom_known, A * start.covariance * A.transpose()}};
 }
 
 }  // namespace
@@ -55,7 +60,8 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       alignment_(*map_, config_.association, config_.alignment),
       nearest_(*map_),
       start_(config_.confirmation),
-      anchor_(anchor_at_start(session)) {}
+      anchor_(anchor_at_start(session)),
+      begin_odom_(anchor_ ? anchor_->T_odom_body.p : Eigen::Vector3d::Zero()) {}
 
 void SessionLocalizer::add(const Submap& submap) {
   const SessionDatabase::Added added = database_.add(submap);
@@ -65,14 +71,14 @@ void SessionLocalizer::add(const Submap& submap) {
   measure_path();
 }
 
-// From each new keyframe to the one before it; `odom` begins at its origin.
+// From each new keyframe to the one before it; to the first one on a straight line.
 void SessionLocalizer::measure_path() {
   for (const auto& [id, keyframe] : database_.keyframes()) {
     const auto next = path_.lower_bound(id);
     if (next != path_.end() && next->first == id) continue;
     PathPoint point{.p_odom = keyframe.item.T_odom_body.p, .travelled_m = 0.0};
     if (next == path_.begin()) {
-      point.travelled_m = point.p_odom.norm();
+      point.travelled_m = (point.p_odom - begin_odom_).norm();
     } else {
       const PathPoint& before = std::prev(next)->second;
       point.travelled_m = before.travelled_m + (point.p_odom - before.p_odom).norm();

@@ -164,6 +164,7 @@ class SessionLocalizer {
   NearestMemory nearest_;
   StartConfirmation start_;
   std::optional<PoseAnchor> anchor_;      // none: there is no start pose
+  const Eigen::Vector3d begin_odom_;      // of the path: where the start pose was known
   std::map<KeyframeId, PathPoint> path_;  // of the odometry, at the stored keyframes
   int refused_in_a_row_ = 0;              // for the reach alone
   Association association_;               // of the last round

@@ -17,7 +17,8 @@ constexpr Duration kLeastJob = std::chrono::milliseconds(1);  // so that turns a
 bool is_same(const std::optional<StartPose>& a, const std::optional<StartPose>& b) {
   if (!a || !b) return !a && !b;
   return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
-         a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance;
+         a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance &&
+         a->p_odom == b->p_odom;
 }
 
 }  // namespace

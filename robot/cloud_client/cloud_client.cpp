@@ -32,6 +32,7 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   session_ = session;
+  newest_start_ = session.start;
   session_started_ = now;
   newest_.reset();
   correction_.reset();
@@ -70,9 +71,8 @@ std::vector<Answer> CloudClient::take_answers(Timestamp now) {
   return answers;
 }
 
-void CloudClient::update_start(const StartPose& start) {
+void CloudClient::note_applied() {
   ++answers_applied_;
-  if (session_) session_->start = start;
   if (answered_map_) choice_.keep_to(*answered_map_);
 }
 
@@ -157,7 +157,8 @@ void CloudClient::session_requested(const Answer& answer, Timestamp now) {
     return;
   }
   announcement_interval_s_ = config_.announcement_interval_s;
-  if (to_seconds(now - *announced_) >= config_.least_announcement_interval_s) announce(now);
+  if (to_seconds(now - *announced_) < config_.least_announcement_interval_s) return;
+  announce_as_it_is(now);
 }
 
 // Answers to an earlier session of this robot would have arrived by then.
@@ -207,6 +208,13 @@ void CloudClient::begin_service(Timestamp now) {
   announcement_interval_s_ = config_.announcement_interval_s;
   if (!session_) return;
   sender_.restart(session_->session, choice_.epoch());
+  announce_as_it_is(now);
+}
+
+// To a localizer that knows nothing of it. Repetitions say the same: another start pose would make
+// the localizer begin again.
+void CloudClient::announce_as_it_is(Timestamp now) {
+  session_->start = newest_start_;
   announce(now);
 }
 
@@ -219,6 +227,7 @@ void CloudClient::announce(Timestamp now) {
   } catch (const NotEncodable&) {  // a start pose beyond all bounds: better none than no service
     refuse("not_encodable");
     session_->start.reset();
+    newest_start_.reset();
   }
 }
 

@@ -53,8 +53,8 @@ class CloudClient final : public MapLocalizer {
   [[nodiscard]] std::optional<Correction> take_correction() override {
     return std::exchange(correction_, std::nullopt);
   }
-  /// To be called whenever an answer has been applied.
-  void update_start(const StartPose& start) override;
+  void note_applied() override;
+  void update_start(const StartPose& start) override { newest_start_ = start; }
 
   /// What the robot tells its localizer of itself from now on.
   void set_quality(Quality quality) { quality_ = quality; }
@@ -75,6 +75,7 @@ class CloudClient final : public MapLocalizer {
   void note_trouble();
   void suspect_shared_id(const Answer& answer, Timestamp now);
   void begin_service(Timestamp now);
+  void announce_as_it_is(Timestamp now);
   void announce(Timestamp now);
   void announce_again(Timestamp now);
   void send_status(Timestamp now);
@@ -86,8 +87,9 @@ class CloudClient final : public MapLocalizer {
   Channel& channel_;
   Config config_;
   LocalizerChoice choice_;
-  std::string used_;  // the localizer in whose partition the robot writes
-  std::optional<RobotSession> session_;
+  std::string used_;                     // the localizer in whose partition the robot writes
+  std::optional<RobotSession> session_;  // as it was announced
+  std::optional<StartPose> newest_start_;
   bool answered_ = false;  // by the chosen localizer, in this session
   std::optional<Timestamp> announced_;
   double announcement_interval_s_ = 0.0;

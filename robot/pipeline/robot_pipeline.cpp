@@ -246,6 +246,7 @@ void RobotPipeline::take_back_end(Timestamp now) {
   ++submaps_built_;
   if (localizer_ == nullptr) return;
   if (first) start_session(now);
+  if (const auto start = known_start()) localizer_->update_start(*start);
   localizer_->submit(std::move(result->submap), now);
 }
 
@@ -272,9 +273,7 @@ void RobotPipeline::take_cloud(Timestamp now) {
       output.reason = verdict.reason;
       aligned_ = aligned_ || verdict.applied;
     }
-    // Nothing to start from where the answer was older than a gap in the IMU's data.
-    const auto start = fusion_->start_pose();
-    if (output.applied && start) localizer_->update_start(*start);
+    if (output.applied) localizer_->note_applied();
     answers_.push_back(std::move(output));
   }
 }
@@ -285,7 +284,7 @@ void RobotPipeline::start_session(Timestamp now) {
   session.session = setup_.session;
   session.start_stamp = setup_.program_start;
   session.stereo = stereo_;
-  if (const auto alignment = fusion_->start_pose()) {
+  if (const auto alignment = known_start()) {
     start_ = alignment;
   } else if (continued_ && start_) {
     start_ = continued_start(*start_, *continued_);
@@ -298,6 +297,13 @@ void RobotPipeline::start_session(Timestamp now) {
     ++faults_["withheld_starts"];
   }
   localizer_->start_session(session, now);
+}
+
+// Nothing before an answer was applied, nor where it was older than a gap in the IMU's data.
+std::optional<StartPose> RobotPipeline::known_start() const {
+  auto start = fusion_->start_pose();
+  if (start) start->p_odom = window_->keyframes.back().state.T_odom_body.p;
+  return start;
 }
 
 bool RobotPipeline::is_usable(const StartPose& start) const {

@@ -135,6 +135,7 @@ class RobotPipeline {
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
   [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] std::optional<StartPose> known_start() const;
   [[nodiscard]] bool is_usable(const StartPose& start) const;
 
   RobotSetup setup_;

@@ -15,7 +15,8 @@ StartPose start_pose_at(const Pose& T_map_body,
       Eigen::Matrix3d::Identity() * sigma.position_sigma_m * sigma.position_sigma_m;
   const Matrix6d A = adjoint(T_odom_body);
   return {.T_map_odom = T_map_body * inverse(T_odom_body),
-          .covariance = A * covariance_body * A.transpose()};
+          .covariance = A * covariance_body * A.transpose(),
+          .p_odom = T_odom_body.p};
 }
 
 }  // namespace fleetloc

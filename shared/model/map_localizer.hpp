@@ -32,6 +32,9 @@ class MapLocalizer {
   /// The newest correction of the session that had arrived when answers were last taken, once.
   [[nodiscard]] virtual std::optional<Correction> take_correction() = 0;
 
+  /// An answer has been applied.
+  virtual void note_applied() = 0;
+
   /// The session's start pose, as it is known now: what another localizer would begin with.
   virtual void update_start(const StartPose& start) = 0;
 };

@@ -12,10 +12,12 @@ namespace fleetloc {
 
 enum class SubmapEncoding { kFull, kDelta };
 
-/// Where `odom` lies in the map when a session starts.
+/// Where `odom` lies in the map, as the robot knew it at some place of its way: from there on the
+/// odometry's drift adds to it.
 struct StartPose {
   Pose T_map_odom;
-  Matrix6d covariance = Matrix6d::Identity();  ///< right perturbation of T_map_odom
+  Matrix6d covariance = Matrix6d::Identity();        ///< right perturbation of T_map_odom
+  Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< of the body at that place [m]
 };
 
 /// What a localizer must know before the first submap of a session.

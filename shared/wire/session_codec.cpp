@@ -26,6 +26,7 @@ Defect defect_of_sample(const wire::RobotSession& sample) {
   if (sample.encoding() > wire::DELTA) return Malformed::kUnknownValue;
   if (const Defect found = defect_of_stamp(sample.start_stamp_ns())) return found;
   if (const Defect found = defect_of_stereo(sample)) return found;
+  if (const Defect found = defect(sample.p_odom())) return found;
   if (const Defect found = defect(sample.T_map_odom())) return found;
   return defect(sample.covariance());
 }
@@ -48,6 +49,7 @@ Bytes encode(const RobotSession& session) {
   sample.T_body_cam0(to_wire(session.stereo.T_body_cam0));
   sample.has_start(session.start.has_value());
   const StartPose start = session.start.value_or(StartPose{});
+  sample.p_odom(to_wire(start.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
   expect_encodable(defect_of_sample(sample), "robot session");
@@ -73,7 +75,8 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
       .start = std::nullopt};
   if (sample.has_start()) {
     session.start = StartPose{.T_map_odom = from_wire(sample.T_map_odom()),
-                              .covariance = from_wire(sample.covariance())};
+                              .covariance = from_wire(sample.covariance()),
+                              .p_odom = from_wire(sample.p_odom())};
   }
   return session;
 }

@@ -236,6 +236,34 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
   EXPECT_EQ(announcements, 1);
 }
 
+TEST_F(CloudClientTest, RepeatsAnAnnouncementAsItWasAndTellsTheNextLocalizerWhatIsKnownByThen) {
+  RobotSession session = some_session();
+  session.start = StartPose{.T_map_odom = {}, .p_odom = {1.0, 0.0, 0.0}};
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(session, at(1));
+  std::vector<double> told;
+  const auto wait_and_listen = [&](Channel& end, int from_ms, int to_ms) {
+    for (int ms = from_ms; ms < to_ms; ms += 10) {
+      static_cast<void>(client_.take_answers(at(ms)));
+      for (const Message& message : end.receive(at(ms))) {
+        if (message.topic != Topic::kSession) continue;
+        told.push_back(
+            std::get<RobotSession>(decode_robot_session(message.payload)).start->p_odom.x());
+      }
+    }
+  };
+  wait_and_listen(*idle_, 10, 500);
+  client_.update_start({.T_map_odom = {}, .p_odom = {2.0, 0.0, 0.0}});
+  wait_and_listen(*idle_, 500, 1500);
+  EXPECT_EQ(told, (std::vector{1.0, 1.0}));
+  told.clear();
+  announce(*idle_, "idle", 0.1, 1500, false);  // goes
+  announce(*busy_, "busy", 0.2, 1500);
+  wait_and_listen(*busy_, 1500, 1900);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back(), 2.0);
+}
+
 TEST_F(CloudClientTest, SendsItsStateOnceASecondToItsLocalizerOnly) {
   announce(*idle_, "idle", 0.1, 0);
   announce(*busy_, "busy", 0.9, 0);

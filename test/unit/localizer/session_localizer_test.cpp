@@ -194,6 +194,24 @@ TEST(SessionLocalizer, IsNotLockedOutByItsOwnReach) {
   EXPECT_GT(after, 0);
 }
 
+// As after another localizer's end: the robot is far from where its odometry began.
+TEST(SessionLocalizer, BeginsWhereTheStartPoseWasKnownWhereverOdomBegan) {
+  const SimulatedSession near({.seed = 6});
+  const SimulatedSession far({.seed = 6, .begin_odom = {400.0, -300.0, 5.0}});
+  SessionLocalizer of_near = localizer_for(near);
+  SessionLocalizer of_far = localizer_for(far);
+  for (int i = 0; i < 8; ++i) {
+    of_near.add(near.submap(i));
+    of_far.add(far.submap(i));
+    const Answer expected = of_near.localize();
+    const Answer answer = of_far.localize();
+    EXPECT_EQ(name(answer.status), name(expected.status)) << i;
+    EXPECT_LT(local_coordinates(answer.T_map_body, expected.T_map_body).norm(), 1e-6) << i;
+    EXPECT_TRUE(answer.covariance.isApprox(expected.covariance, 1e-4)) << i;
+    EXPECT_EQ(answer.status == kLocalized, i >= 2) << name(answer.status);
+  }
+}
+
 TEST(SessionLocalizer, NamesWhatItLacks) {
   const SimulatedSession robot({.seed = 7});
   RobotSession session = robot.session();

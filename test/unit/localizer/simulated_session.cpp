@@ -40,10 +40,14 @@ Eigen::Vector3d off_map(const Eigen::Vector3d& p_map) {
   return middle + 0.8 * (p_map - middle);
 }
 
-// Origin at the first keyframe, gravity aligned, any yaw.
+// At the first keyframe, gravity aligned, any yaw.
 Pose odom_at(const Pose& T_map_body, std::uint64_t seed) {
   const auto yaw = static_cast<double>(seed);
   return {exp_so3(yaw * Eigen::Vector3d::UnitZ()), T_map_body.p};
+}
+
+Pose moved(const Eigen::Vector3d& p) {
+  return {Eigen::Quaterniond::Identity(), p};
 }
 
 }  // namespace
@@ -77,7 +81,9 @@ Matrix6d start_covariance() {
 }
 
 SimulatedSession::SimulatedSession(const Config& config)
-    : config_(config), run_(run_config(config)), T_map_odom_(odom_at(truth(0), config.seed)) {}
+    : config_(config),
+      run_(run_config(config)),
+      T_map_odom_(odom_at(truth(0), config.seed) * moved(-config.begin_odom)) {}
 
 RobotSession SimulatedSession::session() const {
   const CounterRandom random(config_.seed, kStart);
@@ -89,7 +95,12 @@ RobotSession SimulatedSession::session() const {
   RobotSession session;
   session.robot = "robot";
   session.stereo = run_.stereo();
-  session.start = StartPose{T_map_odom_ * offset, start_covariance()};
+  const Pose T_odom_begin = moved(config_.begin_odom);
+  const Matrix6d A = adjoint(T_odom_begin);
+  session.start =
+      StartPose{.T_map_odom = T_map_odom_ * T_odom_begin * offset * moved(-config_.begin_odom),
+                .covariance = A * start_covariance() * A.transpose(),
+                .p_odom = config_.begin_odom};
   return session;
 }
 

@@ -36,9 +36,10 @@ class SimulatedSession {
     double pixel_sigma = 0.7;
     double edge_sigma_rad = 0.002;
     double edge_sigma_m = 0.01;
-    double start_offset_m = 0.3;   ///< horizontal, direction by the seed
-    double start_yaw_rad = 0.052;  ///< sign by the seed
-    double off_map_share = 0.0;    ///< of the landmarks, which stand up to a metre before the walls
+    double start_offset_m = 0.3;                           ///< horizontal, direction by the seed
+    double start_yaw_rad = 0.052;                          ///< sign by the seed
+    Eigen::Vector3d begin_odom = Eigen::Vector3d::Zero();  ///< of the session [m]
+    double off_map_share = 0.0;  ///< of the landmarks, which stand up to a metre before the walls
     bool send_landmarks = false;
     /// Noise of u_left, v and u_right, as the factors have it; otherwise that of SimulatedRun.
     bool noise_of_right_pixel = false;

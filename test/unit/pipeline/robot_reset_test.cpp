@@ -42,6 +42,7 @@ class TruthfulLocalizer final : public MapLocalizer {
     return std::exchange(answers_, {});
   }
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  void note_applied() override { ++applied; }
   void update_start(const StartPose& start) override { updated_start = start; }
 
   bool answering = true;
@@ -49,6 +50,7 @@ class TruthfulLocalizer final : public MapLocalizer {
   std::vector<int> submaps_of_session;
   std::vector<KeyframeId> first_keyframes;
   std::optional<StartPose> updated_start;
+  int applied = 0;
 
  private:
   const SimulatedRun& run_;
@@ -251,13 +253,24 @@ TEST_F(RobotReset, GivesOneOutputForEveryFrameHandedIn) {
   EXPECT_GT(faults.at("refused_frame_not_newer"), 20U);
 }
 
-TEST_F(RobotReset, TellsTheLocalizerWhereTheSessionStartsAsAnswersCome) {
+TEST_F(RobotReset, TellsWhatAnotherLocalizerWouldBeginWithAsItIsNow) {
+  const auto sigma_where_known = [this] {
+    const StartPose& start = *localizer_.updated_start;
+    const Matrix6d A = adjoint(inverse(frames_.back().pose.T_odom_body));
+    EXPECT_LT((start.p_odom - frames_.back().pose.T_odom_body.p).norm(), 1.0);
+    return std::sqrt((A * start.covariance * A.transpose()).bottomRightCorner<3, 3>().trace());
+  };
   play(6.0);
-  ASSERT_GT(applied_, 0);
+  EXPECT_GT(applied_, 0);
+  EXPECT_EQ(localizer_.applied, applied_);
   ASSERT_TRUE(localizer_.updated_start.has_value());
   const Pose T_map_body = localizer_.updated_start->T_map_odom * frames_.back().pose.T_odom_body;
   const Pose truth = run_.truth(frames_.back().stamp).T_odom_body;
   EXPECT_LT((T_map_body.p - truth.p).norm(), 0.05);
+  const double sigma_with_answers = sigma_where_known();
+  localizer_.answering = false;
+  play(12.0);
+  EXPECT_GT(sigma_where_known(), 1.5 * sigma_with_answers);
 }
 
 class SlowRobotReset : public RobotReset {
