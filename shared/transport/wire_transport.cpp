@@ -36,6 +36,17 @@ std::optional<WireLink::Clock::time_point> through(LinkModel& link, std::uint32_
       std::chrono::duration_cast<WireLink::Clock::duration>(arrival->time_since_epoch()));
 }
 
+std::uint32_t address_of(const rtps::Locator_t& locator) {
+  const rtps::octet* bytes = rtps::IPLocator::getIPv4(locator);
+  std::uint32_t address = 0;
+  for (int i = 0; i < 4; ++i) address = address << 8U | bytes[i];
+  return address;
+}
+
+KnownAddresses::Place place_of(const rtps::Locator_t& locator) {
+  return {.address = address_of(locator), .port = locator.port};
+}
+
 bool transmit(rtps::SenderResource& socket,
               const rtps::octet* buffer,
               std::uint32_t size,
@@ -84,6 +95,8 @@ class Transport final : public fdr::ChainingTransport {
 
   fdr::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
 
+  void select_locators(rtps::LocatorSelector& selector) const override;
+
   bool send(rtps::SenderResource* socket,
             const rtps::octet* buffer,
             std::uint32_t size,
@@ -103,10 +116,11 @@ class Transport final : public fdr::ChainingTransport {
   }
 
   // Fast DDS sends to every address of a participant. What is for one on a network that cannot be
-  // reached from here never leaves this computer.
+  // reached from here never leaves this computer, nor what would come twice.
   [[nodiscard]] bool leaves(const rtps::Locator_t& to) const {
-    return IsLocatorSupported(to) &&
-           (rtps::IPLocator::isMulticast(to) || has_route(rtps::IPLocator::toIPv4string(to)));
+    if (!IsLocatorSupported(to)) return false;
+    if (rtps::IPLocator::isMulticast(to)) return true;
+    return !link_->is_superfluous(place_of(to)) && has_route(rtps::IPLocator::toIPv4string(to));
   }
 
   // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
@@ -157,6 +171,18 @@ bool Transport::send(rtps::SenderResource* socket,
   return true;
 }
 
+// Here Fast DDS says whose addresses they are; it asks again whenever they change.
+void Transport::select_locators(rtps::LocatorSelector& selector) const {
+  ChainingTransport::select_locators(selector);
+  for (const rtps::LocatorSelectorEntry* entry : selector.transport_starts()) {
+    GuidPrefix participant{};
+    std::ranges::copy(entry->remote_guid.guidPrefix.value, participant.begin());
+    for (const rtps::Locator_t& locator : entry->unicast) {
+      if (IsLocatorSupported(locator)) link_->note_announced(participant, place_of(locator));
+    }
+  }
+}
+
 void Transport::receive(fdr::TransportReceiverInterface* receiver,
                         const rtps::octet* buffer,
                         std::uint32_t size,
@@ -168,7 +194,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
     return;
   }
   if (!delay_line_) {
-    link_->count_received(buffer, size);
+    link_->count_received(buffer, size, address_of(remote));
     receiver->OnDataReceived(buffer, size, local, remote);
     return;
   }
@@ -176,7 +202,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   if (!due) return;
   const auto deliver = [this, receiver, local, remote](const std::vector<rtps::octet>& copy) {
     const auto bytes = static_cast<std::uint32_t>(copy.size());
-    link_->count_received(copy.data(), bytes);
+    link_->count_received(copy.data(), bytes, address_of(remote));
     receiver->OnDataReceived(copy.data(), bytes, local, remote);
   };
   delay_line_->at(
@@ -220,9 +246,15 @@ void WireLink::count_sent(const std::uint8_t* datagram, std::uint32_t bytes) {
   std::copy_n(datagram + kGuidPrefixAt, GuidPrefix().size(), own_prefix_.emplace().begin());
 }
 
-void WireLink::count_received(const std::uint8_t* datagram, std::uint32_t bytes) {
+void WireLink::count_received(const std::uint8_t* datagram,
+                              std::uint32_t bytes,
+                              std::uint32_t address) {
   const std::lock_guard lock(mutex_);
-  servers_.observe({datagram, bytes}, Clock::now());
+  const Clock::time_point now = Clock::now();
+  servers_.observe({datagram, bytes}, now);
+  GuidPrefix sender{};
+  std::copy_n(datagram + kGuidPrefixAt, sender.size(), sender.begin());
+  addresses_.heard(sender, address, now);
   ++traffic_.received_datagrams;
   traffic_.received_bytes += bytes + kIpUdpBytes;
 }
@@ -236,6 +268,16 @@ bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
   const std::lock_guard lock(mutex_);
   return own_prefix_ && bytes >= kRtpsHeaderBytes &&
          std::equal(own_prefix_->begin(), own_prefix_->end(), datagram + kGuidPrefixAt);
+}
+
+void WireLink::note_announced(const GuidPrefix& participant, const KnownAddresses::Place& place) {
+  const std::lock_guard lock(mutex_);
+  addresses_.announced(participant, place, Clock::now());
+}
+
+bool WireLink::is_superfluous(const KnownAddresses::Place& place) const {
+  const std::lock_guard lock(mutex_);
+  return addresses_.is_superfluous(place, Clock::now());
 }
 
 WireTraffic WireLink::traffic() const {

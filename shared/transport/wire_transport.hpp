@@ -10,6 +10,7 @@
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
 #include "shared/link/link_model.hpp"
+#include "shared/transport/known_addresses.hpp"
 #include "shared/transport/restart_watch.hpp"
 #include "shared/transport/rtps_message.hpp"
 
@@ -50,10 +51,15 @@ class WireLink {
   std::optional<Clock::time_point> incoming_at(std::uint32_t datagram_bytes);
 
   void count_sent(const std::uint8_t* datagram, std::uint32_t bytes);
-  void count_received(const std::uint8_t* datagram, std::uint32_t bytes);
+  /// @param address  that it came from, IPv4
+  void count_received(const std::uint8_t* datagram, std::uint32_t bytes, std::uint32_t address);
   void count_malformed();
   /// True for a multicast that comes back to its sender; it never left the computer.
   [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
+
+  /// See KnownAddresses.
+  void note_announced(const GuidPrefix& participant, const KnownAddresses::Place& place);
+  [[nodiscard]] bool is_superfluous(const KnownAddresses::Place& place) const;
 
   [[nodiscard]] WireTraffic traffic() const;
   /// A discovery server was started again since begin_participant().
@@ -65,6 +71,7 @@ class WireLink {
   std::optional<GuidPrefix> own_prefix_;          // guarded by mutex_
   WireTraffic traffic_;                           // guarded by mutex_
   RestartWatch servers_;                          // guarded by mutex_
+  KnownAddresses addresses_;                      // guarded by mutex_
 };
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;

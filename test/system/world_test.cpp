@@ -20,7 +20,7 @@ class World : public testing::Test {
     std::ofstream(scratch_ / "ten_hertz.yaml") << "sim: {images: {rate_hz: 10}}\n";
   }
 
-  /// The same 22 s of the same way each time.
+  /// The same 40 s of the same way each time.
   [[nodiscard]] RecordedFlight simulated(const std::string& name, const Words& more) const {
     const auto folder = scratch_ / name;
     Words words{"--scene",
@@ -30,7 +30,7 @@ class World : public testing::Test {
                 "--config",
                 (scratch_ / "ten_hertz.yaml").string(),
                 "--duration",
-                "22",
+                "40",
                 "--out",
                 folder.string()};
     words.insert(words.end(), more.begin(), more.end());
@@ -61,7 +61,7 @@ TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
     SCOPED_TRACE(errors.dump());
     EXPECT_LT(errors["ate"]["median"], 0.15);
     EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1);
-    // Of 22 s, some of them without an answer: a robot that stands sees too little to be sure.
+    // Of 40 s, some of them without an answer: a robot that stands sees too little to be sure.
     EXPECT_GT(errors["coverage"], 0.7);
   }
 }

@@ -1,10 +1,17 @@
 // A localizer's computer is often in several networks, of which a robot reaches one.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "shared/transport/network_addresses.hpp"
 #include "test/system/network_namespace.hpp"
+#include "test/transport/test_network.hpp"
+#include "test/transport/wire_samples.hpp"
 
 namespace fleetloc {
 namespace {
@@ -18,19 +25,56 @@ class ReachableAddress : public testing::Test {
     network_.emplace(true);
     network_->plug_in(*robots_, "10.77.0.1");
     network_->plug_in(*clouds_, "10.77.0.2");
-    robots_->ip("route delete default");
   }
+
+  [[nodiscard]] std::unique_ptr<DdsChannel> channel(ChannelRole role, const std::string& name) {
+    auto config = on_loopback(domain_.domain(), role, name);
+    config.participant_profile = "everywhere";
+    const auto inside = (role == ChannelRole::kRobot ? *robots_ : *clouds_).enter();
+    return std::make_unique<DdsChannel>(config);
+  }
+
+  const TestNetwork domain_;
 
   std::optional<NetworkNamespace> robots_, clouds_;
   std::optional<SwitchedNetwork> network_;
 };
 
 TEST_F(ReachableAddress, HasARoute) {
+  robots_->ip("route delete default");
   const auto inside = robots_->enter();
   EXPECT_TRUE(has_route("10.77.0.2"));
   EXPECT_TRUE(has_route("127.0.0.1"));
   EXPECT_FALSE(has_route("10.78.0.2"));
   EXPECT_FALSE(has_route("nonsense"));
+}
+
+TEST_F(ReachableAddress, OfAParticipantThatIsHeardIsUsedAlone) {
+  constexpr std::size_t kRows = 400;
+  clouds_->ip("address add 172.17.0.1/16 dev eth0");  // which a robot's router would know, too
+  const auto cloud = channel(ChannelRole::kCloud, "cloud_1");
+  const auto robot = channel(ChannelRole::kRobot, "robot_1");
+  ASSERT_TRUE(matches(*robot, Topic::kSubmap, "cloud_1"));
+  const Message submap = numbered_submap(1, "robot_1", kRows);
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();  // without discovery's
+  for (int i = 0; i < 10; ++i) {
+    const std::uint64_t before = robot->statistics().sent_wire_bytes;
+    ASSERT_TRUE(receives(
+        *cloud,
+        [&] {
+          if (cloud->statistics().received_messages == static_cast<std::uint64_t>(i)) {
+            robot->send("cloud_1", submap, {});
+          }
+        },
+        [](const Message& message) { return message.topic == Topic::kSubmap; }));
+    ASSERT_TRUE(receives(
+        *robot,
+        [&] { cloud->send("robot_1", answer_to(1, wire::LOCALIZED), {}); },
+        [](const Message& message) { return message.topic == Topic::kLocalization; }));
+    least = std::min(least, robot->statistics().sent_wire_bytes - before);
+  }
+  EXPECT_GT(least, submap.payload.size());
+  EXPECT_LT(least, 3 * submap.payload.size() / 2);
 }
 
 }  // namespace

@@ -1,0 +1,54 @@
+#include "shared/transport/known_addresses.hpp"
+
+#include <algorithm>
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::seconds;
+
+// Who is there is heard more often: each second a localizer tells of itself.
+constexpr seconds kFresh{5};
+// Silent for longer, a participant is taken to be gone; one that comes back is announced again.
+constexpr seconds kGone{60};
+constexpr std::size_t kMostParticipants = 4096;
+
+}  // namespace
+
+void KnownAddresses::announced(const GuidPrefix& participant, const Place& place, Time now) {
+  if (!participants_.contains(participant) && participants_.size() >= kMostParticipants) {
+    participants_.clear();
+    claims_.clear();
+  }
+  Participant& known = participants_[participant];
+  known.addresses.insert(place.address);
+  known.announced_at = now;
+  claims_[place].insert(participant);
+}
+
+void KnownAddresses::heard(const GuidPrefix& participant, std::uint32_t address, Time now) {
+  const auto known = participants_.find(participant);
+  if (known == participants_.end()) return;
+  known->second.source = address;
+  known->second.heard_at = now;
+}
+
+bool KnownAddresses::is_superfluous(const Place& place, Time now) const {
+  const auto claims = claims_.find(place);
+  if (claims == claims_.end()) return false;
+  bool is_heard_elsewhere = false;
+  for (const GuidPrefix& prefix : claims->second) {
+    const Participant& participant = participants_.at(prefix);
+    const bool is_heard = participant.source.has_value();
+    const Time last = is_heard ? std::max(participant.heard_at, participant.announced_at)
+                               : participant.announced_at;
+    if (now - last > kGone) continue;
+    if (!is_heard || now - participant.heard_at > kFresh) return false;
+    if (participant.source == place.address) return false;
+    if (!participant.addresses.contains(*participant.source)) return false;  // translated
+    is_heard_elsewhere = true;
+  }
+  return is_heard_elsewhere;
+}
+
+}  // namespace fleetloc
