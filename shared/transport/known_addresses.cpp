@@ -23,7 +23,10 @@ void KnownAddresses::announced(const GuidPrefix& participant, const Place& place
   Participant& known = participants_[participant];
   known.addresses.insert(place.address);
   known.announced_at = now;
-  claims_[place].insert(participant);
+  std::set<GuidPrefix>& claims = claims_[place];
+  std::erase_if(claims,
+                [&](const GuidPrefix& one) { return now - participants_.at(one).last() > kGone; });
+  claims.insert(participant);
 }
 
 void KnownAddresses::heard(const GuidPrefix& participant, std::uint32_t address, Time now) {
@@ -33,17 +36,18 @@ void KnownAddresses::heard(const GuidPrefix& participant, std::uint32_t address,
   known->second.heard_at = now;
 }
 
+KnownAddresses::Time KnownAddresses::Participant::last() const {
+  return source ? std::max(heard_at, announced_at) : announced_at;
+}
+
 bool KnownAddresses::is_superfluous(const Place& place, Time now) const {
   const auto claims = claims_.find(place);
   if (claims == claims_.end()) return false;
   bool is_heard_elsewhere = false;
   for (const GuidPrefix& prefix : claims->second) {
     const Participant& participant = participants_.at(prefix);
-    const bool is_heard = participant.source.has_value();
-    const Time last = is_heard ? std::max(participant.heard_at, participant.announced_at)
-                               : participant.announced_at;
-    if (now - last > kGone) continue;
-    if (!is_heard || now - participant.heard_at > kFresh) return false;
+    if (now - participant.last() > kGone) continue;
+    if (!participant.source || now - participant.heard_at > kFresh) return false;
     if (participant.source == place.address) return false;
     if (!participant.addresses.contains(*participant.source)) return false;  // translated
     is_heard_elsewhere = true;

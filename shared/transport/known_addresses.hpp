@@ -42,6 +42,8 @@ class KnownAddresses {
     Time announced_at;
     std::optional<std::uint32_t> source;
     Time heard_at;
+
+    [[nodiscard]] Time last() const;  // sign of it
   };
 
   std::map<GuidPrefix, Participant> participants_;
