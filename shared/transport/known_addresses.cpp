@@ -40,7 +40,9 @@ KnownAddresses::Time KnownAddresses::Participant::last() const {
   return source ? std::max(heard_at, announced_at) : announced_at;
 }
 
-bool KnownAddresses::is_superfluous(const Place& place, Time now) const {
+bool KnownAddresses::is_superfluous(const Place& place,
+                                    std::span<const Place> destinations,
+                                    Time now) const {
   const auto claims = claims_.find(place);
   if (claims == claims_.end()) return false;
   bool is_heard_elsewhere = false;
@@ -50,6 +52,8 @@ bool KnownAddresses::is_superfluous(const Place& place, Time now) const {
     if (!participant.source || now - participant.heard_at > kFresh) return false;
     if (participant.source == place.address) return false;
     if (!participant.addresses.contains(*participant.source)) return false;  // translated
+    const Place heard_at{.address = *participant.source, .port = place.port};
+    if (std::ranges::find(destinations, heard_at) == destinations.end()) return false;
     is_heard_elsewhere = true;
   }
   return is_heard_elsewhere;

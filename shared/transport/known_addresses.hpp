@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "shared/transport/rtps_message.hpp"
 
@@ -32,9 +33,11 @@ class KnownAddresses {
   /// A datagram of a participant came from that address.
   void heard(const GuidPrefix& participant, std::uint32_t address, Time now);
 
-  /// Everyone who might be meant is known, and has lately been heard from another address that it
-  /// announces.
-  [[nodiscard]] bool is_superfluous(const Place& place, Time now) const;
+  /// Everyone who might be meant is known, has lately been heard from another address that it
+  /// announces, and is reached there by another one of these destinations of the same datagram.
+  [[nodiscard]] bool is_superfluous(const Place& place,
+                                    std::span<const Place> destinations,
+                                    Time now) const;
 
  private:
   struct Participant {

@@ -117,10 +117,11 @@ class Transport final : public fdr::ChainingTransport {
 
   // Fast DDS sends to every address of a participant. What is for one on a network that cannot be
   // reached from here never leaves this computer, nor what would come twice.
-  [[nodiscard]] bool leaves(const rtps::Locator_t& to) const {
-    if (!IsLocatorSupported(to)) return false;
+  [[nodiscard]] bool leaves(const rtps::Locator_t& to,
+                            std::span<const KnownAddresses::Place> destinations) const {
     if (rtps::IPLocator::isMulticast(to)) return true;
-    return !link_->is_superfluous(place_of(to)) && has_route(rtps::IPLocator::toIPv4string(to));
+    return !link_->is_superfluous(place_of(to), destinations) &&
+           has_route(rtps::IPLocator::toIPv4string(to));
   }
 
   // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
@@ -149,10 +150,16 @@ bool Transport::send(rtps::SenderResource* socket,
                      const std::chrono::steady_clock::time_point& timeout) {
   rtps::SenderResource* none = nullptr;
   first_socket_.compare_exchange_strong(none, socket);  // they are called in their order
-  fdr::LocatorList destinations;                        // the iterators are valid in this call only
+  std::vector<rtps::Locator_t> wanted;                  // the iterators are valid in this call only
+  std::vector<KnownAddresses::Place> places;
   for (; *begin != *end; ++*begin) {
-    const rtps::Locator_t& to = **begin;
-    if (!leaves(to)) continue;
+    if (!IsLocatorSupported(**begin)) continue;
+    wanted.push_back(**begin);
+    places.push_back(place_of(**begin));
+  }
+  fdr::LocatorList destinations;
+  for (const rtps::Locator_t& to : wanted) {
+    if (!leaves(to, places)) continue;
     destinations.push_back(to);
     if (counts(socket)) link_->count_sent(buffer, size);
   }
@@ -275,9 +282,10 @@ void WireLink::note_announced(const GuidPrefix& participant, const KnownAddresse
   addresses_.announced(participant, place, Clock::now());
 }
 
-bool WireLink::is_superfluous(const KnownAddresses::Place& place) const {
+bool WireLink::is_superfluous(const KnownAddresses::Place& place,
+                              std::span<const KnownAddresses::Place> destinations) const {
   const std::lock_guard lock(mutex_);
-  return addresses_.is_superfluous(place, Clock::now());
+  return addresses_.is_superfluous(place, destinations, Clock::now());
 }
 
 WireTraffic WireLink::traffic() const {

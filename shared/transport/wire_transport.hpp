@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
@@ -59,7 +60,8 @@ class WireLink {
 
   /// See KnownAddresses.
   void note_announced(const GuidPrefix& participant, const KnownAddresses::Place& place);
-  [[nodiscard]] bool is_superfluous(const KnownAddresses::Place& place) const;
+  [[nodiscard]] bool is_superfluous(const KnownAddresses::Place& place,
+                                    std::span<const KnownAddresses::Place> destinations) const;
 
   [[nodiscard]] WireTraffic traffic() const;
   /// A discovery server was started again since begin_participant().

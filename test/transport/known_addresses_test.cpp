@@ -1,5 +1,7 @@
 #include "shared/transport/known_addresses.hpp"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace fleetloc {
@@ -24,10 +26,11 @@ class KnownAddressesTest : public testing::Test {
   }
 
   [[nodiscard]] bool is_superfluous(std::uint32_t address) const {
-    return known_.is_superfluous({address, kPort}, now_);
+    return known_.is_superfluous({address, kPort}, destinations_, now_);
   }
 
   KnownAddresses known_;
+  std::vector<KnownAddresses::Place> destinations_{{kNear, kPort}, {kFar, kPort}, {kBridge, kPort}};
   KnownAddresses::Time now_{seconds(1000)};
 };
 
@@ -37,7 +40,8 @@ TEST_F(KnownAddressesTest, AreAllOfUseUntilTheParticipantIsHeard) {
   EXPECT_FALSE(is_superfluous(kNear));
   EXPECT_TRUE(is_superfluous(kFar));
   EXPECT_TRUE(is_superfluous(kBridge));
-  EXPECT_FALSE(known_.is_superfluous({kFar, kPort + 2}, now_)) << "somebody else's port";
+  EXPECT_FALSE(known_.is_superfluous({kFar, kPort + 2}, destinations_, now_))
+      << "somebody else's port";
 }
 
 TEST_F(KnownAddressesTest, AreAllOfUseAgainWhenItIsSilent) {
@@ -70,6 +74,15 @@ TEST_F(KnownAddressesTest, ThatTwoAnnounceAreOfUseUntilBothAreHeardElsewhere) {
   EXPECT_FALSE(is_superfluous(kFar));
 }
 
+// A discovery server is spoken to at the address that its name has.
+TEST_F(KnownAddressesTest, AreOfUseWhereADatagramGoesToNoOther) {
+  known_.heard(kLocalizer, kNear, now_);
+  destinations_ = {{kFar, kPort}};
+  EXPECT_FALSE(is_superfluous(kFar));
+  destinations_ = {{kFar, kPort}, {kNear, kPort + 2}};
+  EXPECT_FALSE(is_superfluous(kFar));
+}
+
 TEST_F(KnownAddressesTest, ForgetWhoIsGone) {
   known_.announced(kOther, {kBridge, kPort}, now_);
   now_ += seconds(90);
@@ -86,7 +99,7 @@ TEST_F(KnownAddressesTest, AreBounded) {
     }
     known_.announced(prefix, {i, kPort}, now_);
     known_.heard(prefix, i, now_);
-    ASSERT_FALSE(known_.is_superfluous({i, kPort}, now_));
+    ASSERT_FALSE(known_.is_superfluous({i, kPort}, destinations_, now_));
   }
 }
 
