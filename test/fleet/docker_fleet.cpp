@@ -207,26 +207,6 @@ void DockerFleet::plug_in(const std::string& site, const std::string& name, int 
           full(name)});
 }
 
-void DockerFleet::limit_memory(const std::string& name, std::size_t bytes) const {
-  const std::string limit = std::to_string(bytes);
-  docker({"update", "--memory", limit, "--memory-swap", limit, full(name)});
-}
-
-std::size_t DockerFleet::memory_bytes(const std::string& name) const {
-  const std::string usage =
-      docker({"stats", "--no-stream", "--format", "{{.MemUsage}}", full(name)}).output;
-  const std::vector<std::pair<std::string, double>> units{
-      {"KiB", 1024.0}, {"MiB", 1024.0 * 1024.0}, {"GiB", 1024.0 * 1024.0 * 1024.0}};
-  std::size_t number_end = 0;
-  const double number = std::stod(usage, &number_end);
-  for (const auto& [unit, bytes] : units) {
-    if (usage.compare(number_end, unit.size(), unit) == 0) {
-      return static_cast<std::size_t>(number * bytes);
-    }
-  }
-  throw std::runtime_error("docker stats: '" + one_line(usage) + "'");
-}
-
 int DockerFleet::stop(const std::string& name) const {
   docker({"stop", "--time", "10", full(name)});
   return wait(name);

@@ -44,10 +44,6 @@ class DockerFleet {
   void pull_out(const std::string& site, const std::string& name) const;
   /// @param address  the last part of it, in the site's network
   void plug_in(const std::string& site, const std::string& name, int address) const;
-  /// At most so much memory from now on, swap included.
-  void limit_memory(const std::string& name, std::size_t bytes) const;
-  /// As the engine counts it, to a tenth of a megabyte or so.
-  [[nodiscard]] std::size_t memory_bytes(const std::string& name) const;
 
   /// SIGTERM, then SIGKILL after 10 s; the exit code.
   int stop(const std::string& name) const;
