@@ -44,16 +44,19 @@ struct Needs {
   int descriptors = 0;
 };
 
-Needs needs_of(const std::string& pid) {
+/// Nothing if the process has ended meanwhile.
+std::optional<Needs> needs_of(const std::string& pid) try {
   const fs::path folder = "/proc/" + pid;
   const std::string status = content_of(folder / "status");
   const auto number = [&status](const std::string& name) {
     return std::stod(status.substr(status.find(name) + name.size()));
   };
   const auto descriptors = std::distance(fs::directory_iterator(folder / "fd"), {});
-  return {.memory_mb = number("VmRSS:") / 1024.0,
-          .threads = static_cast<int>(number("Threads:")),
-          .descriptors = static_cast<int>(descriptors)};
+  return Needs{.memory_mb = number("VmRSS:") / 1024.0,
+               .threads = static_cast<int>(number("Threads:")),
+               .descriptors = static_cast<int>(descriptors)};
+} catch (const std::exception&) {
+  return std::nullopt;
 }
 
 /// A process under watch. Threads come and go, to look up a name for example: what counts is the
@@ -184,7 +187,9 @@ class Soak {
     for (auto& [name, watched] : watched_) {
       const std::string pid = fleet_.containers().inspect(name, "{{.State.Pid}}");
       if (pid == "0") continue;  // has ended; the report tells how
-      const Needs now = needs_of(pid);
+      const auto needs = needs_of(pid);
+      if (!needs) continue;
+      const Needs& now = *needs;
       if (elapsed_s() - watched.started_s < warm_up_s_) {
         watched.before = most(watched.before, now);
       } else if (elapsed_s() > length_s_ - kSettling) {
