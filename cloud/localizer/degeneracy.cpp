@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
+#include "shared/core/percentile.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -22,9 +24,7 @@ WindowMotion motion_about(const std::vector<MapMatch>& matches) {
   for (const MapMatch& match : matches) {
     distances.push_back((match.landmark.p_map - motion.center_map).norm());
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  motion.lever_m = std::max(*middle, kLeastLever);
+  motion.lever_m = std::max(*percentile(std::move(distances), 0.5), kLeastLever);
   return motion;
 }
 

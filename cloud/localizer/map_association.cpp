@@ -7,7 +7,8 @@
 #include <optional>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "shared/geometry/covariance.hpp"
 
 namespace fleetloc {
 namespace {
@@ -19,11 +20,6 @@ using Cell = std::array<long, 3>;
 Cell cell_of(const Eigen::Vector3d& p_map, double edge_m) {
   const auto index = [edge_m](double x) { return std::lround(std::floor(x / edge_m)); };
   return {index(p_map.x()), index(p_map.y()), index(p_map.z())};
-}
-
-double greatest_sigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(eigen.eigenvalues()(2));
 }
 
 // Whether the landmark may lie on the surface around the map point: the distance against the gate,

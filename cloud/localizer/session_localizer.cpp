@@ -7,26 +7,15 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "shared/core/percentile.hpp"
+#include "shared/geometry/covariance.hpp"
 
 namespace fleetloc {
 namespace {
 
 constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
 constexpr std::size_t kBytesPerLandmark = 900;
-
-double greatest_sigma(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
-          .eigenvalues()(2));
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 Matrix6d diagonal(double rotation, double translation) {
   Vector6d variances;
@@ -172,8 +161,8 @@ double SessionLocalizer::gate_for(const PoseBelief& belief) const {
   for (const auto& [id, p_map] : problem_.positions()) {
     distances.push_back((p_map - belief.T_map_body.p).norm());
   }
-  const double turned =
-      median(std::move(distances)) * greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
+  const double turned = percentile(std::move(distances), 0.5).value_or(0.0) *
+                        greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
   const double shifted = greatest_sigma(belief.covariance.bottomRightCorner<3, 3>());
   const auto& rounds = config_.rounds;
   return std::clamp(rounds.gate_deviations * std::hypot(turned, shifted),
@@ -260,7 +249,7 @@ void SessionLocalizer::measure_fit() {
     residuals.push_back(match.is_planar ? std::abs(error) / association.plane_sigma_m
                                         : error / (std::sqrt(3.0) * association.point_sigma_m));
   }
-  diagnostics_.median_residual = median(std::move(residuals));
+  diagnostics_.median_residual = percentile(std::move(residuals), 0.5).value_or(0.0);
 }
 
 LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& result) {

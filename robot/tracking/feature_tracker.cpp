@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "shared/core/percentile.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -14,13 +16,6 @@ void check_image(const cv::Mat& image, const Camera& camera, const char* side) {
                                 std::to_string(camera.width_px) + "x" +
                                 std::to_string(camera.height_px) + " pixels as calibrated");
   }
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -141,7 +136,7 @@ void FeatureTracker::keep_rigid(std::vector<Track> followed,
   }
   diagnostics_.rejected_by_motion =
       static_cast<int>(std::count(motion.inliers.begin(), motion.inliers.end(), false));
-  diagnostics_.motion_error_px = median(motion.distances_px);
+  diagnostics_.motion_error_px = percentile(motion.distances_px, 0.5).value_or(0.0);
   translation_m_ = motion.has_translation ? motion.T_current_previous.p : Eigen::Vector3d::Zero();
 }
 
@@ -179,7 +174,7 @@ void FeatureTracker::match_right(const ImagePyramid& left, const cv::Mat& right)
     if (matches[i].disparity > 0.0) row_errors.push_back(std::abs(matches[i].row_error_px));
   }
   diagnostics_.with_disparity = static_cast<int>(row_errors.size());
-  diagnostics_.row_error_px = median(std::move(row_errors));
+  diagnostics_.row_error_px = percentile(std::move(row_errors), 0.5).value_or(0.0);
 }
 
 TrackedFrame FeatureTracker::observe(Timestamp stamp) const {

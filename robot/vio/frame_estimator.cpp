@@ -9,6 +9,7 @@
 
 #include "robot/inertial/imu_factor.hpp"
 #include "robot/vio/pose_alignment.hpp"
+#include "shared/core/percentile.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -146,12 +147,6 @@ std::vector<double> parallax(const TrackedFrame& before,
   return displacements;
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 FrameEstimator::FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config)
@@ -223,7 +218,7 @@ bool FrameEstimator::wants_keyframe(const TrackedFrame& frame,
   const auto before = static_cast<double>(reference_->frame.observations.size());
   return displacements.empty() ||
          static_cast<double>(displacements.size()) < config_.keyframe_tracked_share * before ||
-         median(displacements) > config_.keyframe_parallax_px;
+         *percentile(std::move(displacements), 0.5) > config_.keyframe_parallax_px;
 }
 
 FrameEstimator::Config read_frame_estimator_config(ConfigReader section, const VioNoise& noise) {

@@ -8,6 +8,8 @@
 #include <ostream>
 #include <utility>
 
+#include "shared/core/percentile.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -16,12 +18,8 @@ constexpr double kFarthestM = 500.0;
 constexpr double kSigmaOfMedian = 1.4826;  // of |normal numbers|
 constexpr double kRayleighSigma = 0.8493;  // sigma of each axis by the median distance
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, at);
-  return *at;
+double quantile(const std::vector<double>& values, double share) {
+  return percentile(values, share).value_or(0.0);
 }
 
 double ratio(std::size_t part, std::size_t whole) {
