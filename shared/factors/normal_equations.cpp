@@ -13,19 +13,22 @@ namespace {
 
 constexpr int kPoseSize = 7;
 constexpr double kSingular = 1e-12;  // ratio of eigenvalues of a point's own block
+constexpr double kRegular = 1e-6;    // not to be looked at more closely
 
 using Columns = PointEquations::Columns;
 
-Columns& coupling(PointEquations& point, int kept, int size) {
+Columns& coupling(PointEquations& point, int kept) {
   for (PointEquations::Coupling& known : point.couplings) {
     if (known.kept == kept) return known.H;
   }
-  point.couplings.push_back({kept, Columns::Zero(size, 3)});
+  point.couplings.push_back({kept, Columns::Zero()});
   return point.couplings.back().H;
 }
 
 // Moore-Penrose inverse, of what counts as regular.
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& H) {
+  // The least eigenvalue by the greatest is at least this.
+  if (H.determinant() > kRegular * std::pow(H.trace(), 3)) return H.inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
   const double least = kSingular * eigen.eigenvalues()(2);
   const Eigen::Vector3d inverse = eigen.eigenvalues().unaryExpr(
@@ -78,11 +81,10 @@ NormalEquations JointEquations::reduced() const {
     for (const PointEquations::Coupling& a : point.couplings) {
       const Columns K = a.H * inverse;
       const int begin = offset(a.kept);
-      result.g.segment(begin, K.rows()).noalias() -= K * point.g;
+      result.g.segment<6>(begin).noalias() -= K * point.g;
       for (const PointEquations::Coupling& b : point.couplings) {
         if (b.kept >= a.kept) {
-          result.H.block(begin, offset(b.kept), K.rows(), b.H.rows()).noalias() -=
-              K.lazyProduct(b.H.transpose());
+          result.H.block<6, 6>(begin, offset(b.kept)).noalias() -= K.lazyProduct(b.H.transpose());
         }
       }
     }
@@ -132,8 +134,9 @@ void JointEquations::accumulate(const Eigen::Map<const Eigen::VectorXd>& r, doub
         sums_.H.block(offset(a.place), offset(b.place), size, b.J.cols()).noalias() +=
             weight * a.J.transpose().lazyProduct(b.J);
       } else if (b.place < 0) {
-        coupling(points_[static_cast<std::size_t>(-1 - b.place)], a.place, static_cast<int>(size))
-            .noalias() += weight * a.J.transpose().lazyProduct(b.J);
+        assert(size == 6);
+        coupling(points_[static_cast<std::size_t>(-1 - b.place)], a.place).noalias() +=
+            weight * a.J.transpose().lazyProduct(b.J);
       }
     }
   }

@@ -34,9 +34,9 @@ struct ParameterBlock {
 };
 
 /// What there is to know of a point that is to be eliminated: its own block of H, its gradient, and
-/// its coupling to kept blocks (rows: the kept block's tangent).
+/// its coupling to kept poses. Nothing else may share a factor with it.
 struct PointEquations {
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 9, 3>;
+  using Columns = Eigen::Matrix<double, 6, 3>;
   struct Coupling {
     int kept = 0;  ///< index of the kept block
     Columns H;
