@@ -20,7 +20,7 @@ using Words = std::vector<std::string>;
 
 const fs::path kWorlds = FLEETLOC_SOURCE_DIR "/deploy/worlds";
 const fs::path kKept = FLEETLOC_BINARY_DIR "/driven_world";
-constexpr double kRound = 108.0;  // at least so long takes one around the block [s]
+constexpr double kRound = 100.0;  // at least so long takes one around the block [s]
 
 /// One process at a time has it.
 class FileLock {
