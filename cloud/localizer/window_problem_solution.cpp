@@ -9,6 +9,7 @@
 #include "shared/factors/normal_equations.hpp"
 #include "shared/factors/point_factors.hpp"
 #include "shared/factors/relative_pose_factor.hpp"
+#include "shared/factors/small_step.hpp"
 
 namespace fleetloc {
 namespace {
@@ -77,7 +78,7 @@ WindowProblem::Solved WindowProblem::solve(int max_iterations) {
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.num_threads = 1;
   options.max_num_iterations = max_iterations;
-  options.function_tolerance = config_.function_tolerance;
+  options.jacobi_scaling = false;  // everything is whitened, and in metres and radians
   options.logging_type = ceres::SILENT;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (const auto& [id, node] : landmarks_) {
@@ -86,6 +87,8 @@ WindowProblem::Solved WindowProblem::solve(int max_iterations) {
   for (const auto& [id, node] : keyframes_) {
     options.linear_solver_ordering->AddElementToGroup(node.pose, 1);
   }
+  EndsWithSmallStep ends_with_small_step(config_.least_decrease);
+  options.callbacks.push_back(&ends_with_small_step);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   return {.is_usable = summary.IsSolutionUsable(),

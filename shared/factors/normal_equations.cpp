@@ -12,6 +12,7 @@ namespace fleetloc {
 namespace {
 
 constexpr int kPoseSize = 7;
+constexpr std::size_t kUsualCouplings = 8;
 constexpr double kSingular = 1e-12;  // ratio of eigenvalues of a point's own block
 constexpr double kRegular = 1e-6;    // not to be looked at more closely
 
@@ -21,6 +22,7 @@ Columns& coupling(PointEquations& point, int kept) {
   for (PointEquations::Coupling& known : point.couplings) {
     if (known.kept == kept) return known.H;
   }
+  if (point.couplings.empty()) point.couplings.reserve(kUsualCouplings);
   point.couplings.push_back({kept, Columns::Zero()});
   return point.couplings.back().H;
 }
@@ -34,6 +36,14 @@ Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& H) {
   const Eigen::Vector3d inverse = eigen.eigenvalues().unaryExpr(
       [least](double value) { return value > least ? 1.0 / value : 0.0; });
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+// sum += weight * a^T b, row by row: reprojection errors have few of them.
+template <typename A, typename B, typename Sum>
+void add_products(const A& a, const B& b, double weight, Sum&& sum) {
+  for (Eigen::Index row = 0; row < a.rows(); ++row) {
+    sum.noalias() += (weight * a.row(row)).transpose() * b.row(row);
+  }
 }
 
 }  // namespace
@@ -123,20 +133,26 @@ void JointEquations::accumulate(const Eigen::Map<const Eigen::VectorXd>& r, doub
   for (const Slot& a : slots_) {
     if (a.place < 0) {
       PointEquations& point = points_[static_cast<std::size_t>(-1 - a.place)];
-      point.H.noalias() += weight * a.J.transpose().lazyProduct(a.J);
-      point.g.noalias() += weight * a.J.transpose().lazyProduct(r);
+      const auto J = a.columns<3>();
+      add_products(J, J, weight, point.H);
+      point.g.noalias() += weight * J.transpose().lazyProduct(r);
       continue;
     }
     const auto size = a.J.cols();
     sums_.g.segment(offset(a.place), size).noalias() += weight * a.J.transpose().lazyProduct(r);
     for (const Slot& b : slots_) {
-      if (b.place >= a.place) {  // upper triangle only
+      if (b.place == a.place && size == 6) {
+        const auto J = a.columns<6>();
+        add_products(J, J, weight, sums_.H.block<6, 6>(offset(a.place), offset(a.place)));
+      } else if (b.place >= a.place) {  // upper triangle only
         sums_.H.block(offset(a.place), offset(b.place), size, b.J.cols()).noalias() +=
             weight * a.J.transpose().lazyProduct(b.J);
       } else if (b.place < 0) {
         assert(size == 6);
-        coupling(points_[static_cast<std::size_t>(-1 - b.place)], a.place).noalias() +=
-            weight * a.J.transpose().lazyProduct(b.J);
+        add_products(a.columns<6>(),
+                     b.columns<3>(),
+                     weight,
+                     coupling(points_[static_cast<std::size_t>(-1 - b.place)], a.place));
       }
     }
   }

@@ -66,6 +66,13 @@ class JointEquations {
   struct Slot {
     int place = 0;  // of a kept block; -1 - i: the i-th point
     Eigen::Map<const Jacobian, 0, Eigen::OuterStride<>> J;
+
+    template <int Size>
+    [[nodiscard]] auto columns() const {
+      using Columns = Eigen::Matrix<double, Eigen::Dynamic, Size, Eigen::RowMajor>;
+      return Eigen::Map<const Columns, 0, Eigen::OuterStride<>>(
+          J.data(), J.rows(), Size, Eigen::OuterStride<>(J.outerStride()));
+    }
   };
 
   void evaluate(const ResidualBlock& block);

@@ -11,15 +11,20 @@ constexpr double kLeastDepth = 0.01;  // [m]
 constexpr double kBehind = 500.0;     // [px]
 
 struct CameraPoint {
+  Eigen::Matrix3d R_world_body;
   Eigen::Vector3d p_body;
   Eigen::Vector3d p_cam0;
 };
 
-CameraPoint camera_point(const double* pose, const double* point, const Pose& T_cam0_body) {
+CameraPoint camera_point(const double* pose, const double* point, const CameraMounting& camera) {
   const Pose T_world_body = pose_from(pose);
   const Eigen::Map<const Eigen::Vector3d> p_world(point);
-  const Eigen::Vector3d p_body = T_world_body.R.conjugate() * (p_world - T_world_body.p);
-  return {p_body, T_cam0_body * p_body};
+  CameraPoint seen;
+  seen.R_world_body = T_world_body.R.toRotationMatrix();
+  seen.p_body.noalias() = seen.R_world_body.transpose() * (p_world - T_world_body.p);
+  seen.p_cam0 = camera.p_cam0;
+  seen.p_cam0.noalias() += camera.R_cam0_body * seen.p_body;
+  return seen;
 }
 
 // Rows: u_left, v, u_right, by p_cam0.
@@ -51,29 +56,27 @@ void set_jacobians_zero(double** jacobians) {
 // [hat(p_body), -I] in body, by the point R_body_world.
 template <int Rows>
 void write_jacobians(const Eigen::Matrix<double, Rows, 3>& J_body,
-                     const Eigen::Vector3d& p_body,
-                     const Eigen::Quaterniond& R_world_body,
+                     const CameraPoint& point,
                      double** jacobians) {
   if (jacobians[0] != nullptr) {
     RowMajorMap<Rows, 7> J_pose(jacobians[0]);
     for (int row = 0; row < Rows; ++row) {
       // a^T hat(b) = (a x b)^T
       const Eigen::Vector3d gradient = J_body.row(row).transpose();
-      J_pose.row(row).template head<3>() = gradient.cross(p_body).transpose();
+      J_pose.row(row).template head<3>() = gradient.cross(point.p_body).transpose();
     }
     J_pose.template middleCols<3>(3) = -J_body;
     J_pose.col(6).setZero();
   }
   if (jacobians[1] != nullptr) {
-    RowMajorMap<Rows, 3>(jacobians[1]).noalias() =
-        J_body * R_world_body.toRotationMatrix().transpose();
+    RowMajorMap<Rows, 3>(jacobians[1]).noalias() = J_body * point.R_world_body.transpose();
   }
 }
 
 // What both factors know besides the measurement.
 struct Setup {
   const RectifiedStereo& stereo;
-  const Pose& T_cam0_body;
+  const CameraMounting& camera;
   double inverse_sigma;
   const PoseParameters* first_estimate;
 };
@@ -85,7 +88,7 @@ void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
               const double* const* parameters,
               Eigen::Map<Eigen::Matrix<double, Rows, 1>> residual,
               double** jacobians) {
-  CameraPoint point = camera_point(parameters[0], parameters[1], setup.T_cam0_body);
+  CameraPoint point = camera_point(parameters[0], parameters[1], setup.camera);
   if (point.p_cam0.z() < kLeastDepth) {
     residual.setConstant(kBehind * setup.inverse_sigma);
     if (jacobians != nullptr) {
@@ -98,10 +101,8 @@ void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
   if (jacobians == nullptr) {
     return;
   }
-  const double* linearized_at = parameters[0];
   if (setup.first_estimate != nullptr) {
-    linearized_at = setup.first_estimate->data();
-    point = camera_point(linearized_at, parameters[1], setup.T_cam0_body);
+    point = camera_point(setup.first_estimate->data(), parameters[1], setup.camera);
     if (point.p_cam0.z() < kLeastDepth) {
       set_jacobians_zero<Rows>(jacobians);
       return;
@@ -109,11 +110,15 @@ void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
   }
   const Eigen::Matrix<double, Rows, 3> J_body =
       setup.inverse_sigma * projection_jacobian<Rows>(setup.stereo, point.p_cam0) *
-      setup.T_cam0_body.R.toRotationMatrix();
-  write_jacobians<Rows>(J_body, point.p_body, pose_from(linearized_at).R, jacobians);
+      setup.camera.R_cam0_body;
+  write_jacobians<Rows>(J_body, point, jacobians);
 }
 
 }  // namespace
+
+CameraMounting::CameraMounting(const Pose& T_body_cam0)
+    : R_cam0_body(T_body_cam0.R.toRotationMatrix().transpose()),
+      p_cam0(-R_cam0_body * T_body_cam0.p) {}
 
 StereoReprojectionFactor::StereoReprojectionFactor(const StereoObservation& observation,
                                                    const RectifiedStereo& stereo,
@@ -122,7 +127,7 @@ StereoReprojectionFactor::StereoReprojectionFactor(const StereoObservation& obse
     : measured_(
           observation.left.x(), observation.left.y(), observation.left.x() - observation.disparity),
       stereo_(stereo),
-      T_cam0_body_(inverse(stereo.T_body_cam0)),
+      camera_(stereo.T_body_cam0),
       inverse_sigma_(1.0 / noise.pixel_sigma),
       first_estimate_(first_estimate) {
   assert(observation.disparity > 0.0);
@@ -132,7 +137,7 @@ bool StereoReprojectionFactor::Evaluate(const double* const* parameters,
                                         double* residuals,
                                         double** jacobians) const {
   evaluate<3>(measured_,
-              {stereo_, T_cam0_body_, inverse_sigma_, first_estimate_},
+              {stereo_, camera_, inverse_sigma_, first_estimate_},
               parameters,
               Eigen::Map<Eigen::Vector3d>(residuals),
               jacobians);
@@ -145,7 +150,7 @@ MonoReprojectionFactor::MonoReprojectionFactor(const StereoObservation& observat
                                                const PoseParameters* first_estimate)
     : measured_(observation.left),
       stereo_(stereo),
-      T_cam0_body_(inverse(stereo.T_body_cam0)),
+      camera_(stereo.T_body_cam0),
       inverse_sigma_(1.0 / noise.pixel_sigma),
       first_estimate_(first_estimate) {}
 
@@ -153,7 +158,7 @@ bool MonoReprojectionFactor::Evaluate(const double* const* parameters,
                                       double* residuals,
                                       double** jacobians) const {
   evaluate<2>(measured_,
-              {stereo_, T_cam0_body_, inverse_sigma_, first_estimate_},
+              {stereo_, camera_, inverse_sigma_, first_estimate_},
               parameters,
               Eigen::Map<Eigen::Vector2d>(residuals),
               jacobians);

@@ -13,6 +13,14 @@ struct StereoNoise {
   double pixel_sigma = 1.0;  ///< of u_left, v and u_right alike [px]
 };
 
+/// T_cam0_body, as factors need it.
+struct CameraMounting {
+  explicit CameraMounting(const Pose& T_body_cam0);
+
+  Eigen::Matrix3d R_cam0_body;
+  Eigen::Vector3d p_cam0;  ///< of the body's origin [m]
+};
+
 /// Stereo reprojection error (paper, eq. 1), whitened: (u_left, v, u_right) of a landmark seen from
 /// a keyframe. Parameters: T_world_body (7), p_world (3). The world is odom or map.
 ///
@@ -32,7 +40,7 @@ class StereoReprojectionFactor final : public ceres::SizedCostFunction<3, 7, 3> 
  private:
   Eigen::Vector3d measured_;  // u_left, v, u_right [px]
   RectifiedStereo stereo_;
-  Pose T_cam0_body_;
+  CameraMounting camera_;
   double inverse_sigma_;
   const PoseParameters* first_estimate_;
 };
@@ -51,7 +59,7 @@ class MonoReprojectionFactor final : public ceres::SizedCostFunction<2, 7, 3> {
  private:
   Eigen::Vector2d measured_;  // [px]
   RectifiedStereo stereo_;
-  Pose T_cam0_body_;
+  CameraMounting camera_;
   double inverse_sigma_;
   const PoseParameters* first_estimate_;
 };
