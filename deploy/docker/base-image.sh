@@ -42,5 +42,6 @@ sed 's/^/deb /' "$scratch/sources" >"$root/etc/apt/sources.list"
 apt-config dump | grep -E '^Acquire::(https?::|Check-|Retries)' \
   >"$root/etc/apt/apt.conf.d/90as-on-the-host" || true
 rm -rf "$root"/var/cache/apt/archives/*.deb "$root"/var/lib/apt/lists/* "$root"/var/log/*.log
-tar -C "$root" --numeric-owner -c . | docker import -c 'CMD ["bash"]' - "$name" >/dev/null
+tar -C "$root" --numeric-owner -cf "$scratch/root.tar" .  # whole, before it gets its name
+docker import -c 'CMD ["bash"]' "$scratch/root.tar" "$name" >/dev/null
 echo "base-image: $(docker image inspect -f '{{.Size}}' "$name" | awk '{printf "%.0f", $1 / 1e6}') MB: $name"
