@@ -3,6 +3,7 @@
 set -eu
 
 cd "$(dirname "$0")/.."
+[ $# -eq 0 ] || { echo "usage: deploy/package.sh" >&2; exit 2; }
 sh deploy/install-deps.sh dpkg-dev file || exit $?
 sh deploy/build.sh release fleetloc-robot fleetloc-cloud fleetloc-eval fleetloc-experiment \
   fleetloc-map fleetloc-monitor fleetloc-replay fleetloc-sim
