@@ -1,5 +1,6 @@
 // Participants that lose their network, in a namespace where loopback's address goes and returns.
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <functional>
@@ -131,23 +132,22 @@ TEST_F(Renewal, TellsWhatWasSaidWhileThereWasNoNetwork) {
       *cloud_, [] {}, [](const Message& message) { return message.topic == Topic::kSession; }));
 }
 
-// Whoever calls never waits for a new participant, which takes tens of milliseconds.
+// Whoever calls never waits for a new participant: a call between two of them comes back, its
+// message unsent. There are 5 to 15 ms between two; the network goes until a call has fallen there.
 TEST_F(Renewal, KeepsNoCallerWaiting) {
   ASSERT_TRUE(submap_arrives(1));
-  std::chrono::steady_clock::duration longest{};
-  const auto renewed = robot_->diagnostics().renewals;
-  take_network_away();
-  give_network_back();
   std::uint32_t number = 1;
-  ASSERT_TRUE(comes_true([&] {
-    const auto begin = std::chrono::steady_clock::now();
+  std::uint64_t interruptions = 0;
+  EXPECT_TRUE(comes_true([&] {
+    if (robot_->diagnostics().renewals == interruptions) {
+      take_network_away();
+      give_network_back();
+      ++interruptions;
+    }
     robot_->send("cloud_1", numbered_submap(++number), {});
-    static_cast<void>(robot_->receive({}));
-    longest = std::max(longest, std::chrono::steady_clock::now() - begin);
-    return robot_->diagnostics().renewals > renewed;
-  }));
-  RecordProperty("longest_us", static_cast<int>(longest / std::chrono::microseconds(1)));
-  EXPECT_GT(robot_->diagnostics().unsent, 0) << "no call fell between the two participants";
+    return robot_->diagnostics().unsent > 0;
+  })) << "no call fell between two participants, "
+      << robot_->diagnostics().renewals << " times";
 }
 
 TEST_F(Renewal, EndsCleanlyAtAnyMoment) {
