@@ -32,6 +32,7 @@ constexpr std::array kFigures{
     Column{"odometry_ate_median_m", kEvaluation, "/odometry_ate/median"},
     Column{"odometry_ate_rmse_m", kEvaluation, "/odometry_ate/rmse"},
     Column{"odometry_ate_max_m", kEvaluation, "/odometry_ate/max"},
+    Column{"odometry_relative_rmse_m", kEvaluation, "/odometry_relative/translation_rmse_m"},
     Column{"aligned_once_ate_median_m", kEvaluation, "/aligned_once/ate/median"},
     Column{"aligned_once_ate_rmse_m", kEvaluation, "/aligned_once/ate/rmse"},
     Column{"aligned_once_ratio_median", kEvaluation, "/aligned_once/ratio/median"},
