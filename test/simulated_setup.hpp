@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "deploy/config/default_config.hpp"
+#include "deploy/sim/room/simulated_run.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 #include "shared/model/camera.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

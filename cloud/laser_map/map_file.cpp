@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "cloud/laser_map/map_hash.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
 
 namespace fleetloc {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "cloud/mapping/evidence_grid.hpp"
 #include "cloud/mapping/ray_evidence.hpp"
-#include "shared/pointcloud/voxel_cloud.hpp"
+#include "cloud/point_cloud/voxel_cloud.hpp"
 
 namespace fleetloc {
 namespace {

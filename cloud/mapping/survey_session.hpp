@@ -7,7 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "shared/dataset/lidar_file.hpp"
+#include "cloud/mapping/lidar_file.hpp"
+#include "shared/dataset/sensor_file.hpp"
 #include "shared/trajectory/trajectory.hpp"
 
 namespace fleetloc {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "cloud/node/cloud_node.hpp"
+#include "cloud/node/default_config.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
 #include "shared/core/ids.hpp"
@@ -12,7 +13,7 @@ int main(int argc, char** argv) {
     using namespace fleetloc;
     Program program("fleetloc-cloud",
                     "Localizes the submaps of robots in a laser map, until SIGINT or SIGTERM.",
-                    "everything");
+                    kDefaultConfig);
     CloudNodeOptions options;
     std::string link;
     CLI::App& app = program.options();

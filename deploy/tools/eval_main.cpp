@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "deploy/tools/eval_report.hpp"
-#include "deploy/tools/eval_run.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/evaluation/errors/eval_run.hpp"
+#include "deploy/evaluation/report/eval_report.hpp"
 #include "shared/config/program.hpp"
 #include "shared/geometry/pose_text.hpp"
 #include "shared/geometry/so3.hpp"
@@ -166,7 +167,9 @@ Program::Run prepared_comparison(const Program& program, const Options& options)
 
 int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
-    Program program("fleetloc-eval", "Compares an estimate or a run with the ground truth.");
+    Program program("fleetloc-eval",
+                    "Compares an estimate or a run with the ground truth.",
+                    default_config("everything"));
     Options options;
     add_options(program.options(), options);
     return program.run(argc, argv, [&]() -> Program::Run {

@@ -5,9 +5,10 @@
 #include <string>
 #include <thread>
 
-#include "cloud/baseline/icp_localizer.hpp"
 #include "cloud/pool/localizer_pool.hpp"
-#include "deploy/experiment/experiment.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/evaluation/experiment/experiment.hpp"
+#include "deploy/replay/icp_localizer.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/concurrency/termination.hpp"
@@ -46,7 +47,8 @@ int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
     Program program("fleetloc-experiment",
                     "Runs a matrix of datasets, configurations, links and seeds, and compares each "
-                    "run with ground truth and controls. What is finished is kept.");
+                    "run with ground truth and controls. What is finished is kept.",
+                    default_config("everything"));
     ExperimentOptions options;
     std::string plan_file;
     std::string out;

@@ -13,9 +13,10 @@
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/laser_map/map_hash.hpp"
 #include "cloud/mapping/merge_sessions.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
+#include "deploy/config/default_config.hpp"
 #include "shared/config/program.hpp"
 #include "shared/config/progress_line.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
 
 namespace {
 
@@ -120,7 +121,8 @@ int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
     Program program(
         "fleetloc-map",
-        "Makes a laser map of a point cloud or of lidar scans, or shows what is in one.");
+        "Makes a laser map of a point cloud or of lidar scans, or shows what is in one.",
+        default_config("everything"));
     BuildOptions options;
     std::string shown;
     CLI::App& app = program.options();

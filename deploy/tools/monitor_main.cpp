@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 
+#include "deploy/config/default_config.hpp"
 #include "deploy/monitor/fleet_view.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
@@ -108,7 +109,8 @@ int main(int argc, char** argv) {
     Program program("fleetloc-monitor",
                     "Shows how robots and localizers are doing, from the folders that they write, "
                     "until all runs have ended: on a terminal a table that is redrawn, elsewhere a "
-                    "line every 10 s.");
+                    "line every 10 s.",
+                    default_config("everything"));
     Arguments arguments;
     CLI::App& app = program.options();
     app.add_option("--run", arguments.runs, "run folders; they may appear later")->required();

@@ -5,7 +5,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "deploy/tools/replay.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/replay/replay.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
 #include "shared/geometry/pose_text.hpp"
@@ -76,7 +77,7 @@ int main(int argc, char** argv) {
         "fleetloc-replay",
         "Runs a recording through robot, link and cloud in one process and in simulated "
         "time. Without --map: odometry only.",
-        "everything");
+        default_config("everything"));
     ReplayOptions options;
     LinkArguments link;
     std::string map;

@@ -14,16 +14,17 @@
 #include <opencv2/core.hpp>
 
 #include "cloud/laser_map/build_map.hpp"
-#include "deploy/tools/sim_landmarks.hpp"
-#include "deploy/tools/sim_run.hpp"
-#include "deploy/tools/sim_sheet.hpp"
-#include "deploy/tools/sim_tracks.hpp"
-#include "deploy/tools/surfels.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/sim/recording/sim_landmarks.hpp"
+#include "deploy/sim/recording/sim_run.hpp"
+#include "deploy/sim/recording/sim_sheet.hpp"
+#include "deploy/sim/recording/sim_tracks.hpp"
+#include "deploy/sim/recording/surfels.hpp"
+#include "deploy/sim/world/scene.hpp"
+#include "robot/dataset/image_file.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
-#include "shared/dataset/image_file.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
-#include "shared/world/scene.hpp"
 
 namespace {
 
@@ -286,7 +287,8 @@ int main(int argc, char** argv) {
                     "Makes a dataset in the EuRoC layout with ground truth: a stereo camera, an "
                     "IMU and a lidar on a robot that drives through a made-up scene (--scene, "
                     "--route), or along a recorded trajectory through a point cloud (--cloud, "
-                    "--trajectory).");
+                    "--trajectory).",
+                    default_config("everything"));
     Arguments arguments;
     add_options(program.options(), arguments);
     return program.run(argc, argv, [&] { return prepared(arguments, program); });

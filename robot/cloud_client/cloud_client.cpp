@@ -275,7 +275,7 @@ CloudClient::Statistics CloudClient::statistics() const {
   return statistics;
 }
 
-RunTraffic CloudClient::traffic() const {
+CloudClient::Traffic CloudClient::traffic() const {
   const ChannelStatistics bytes = channel_.statistics();
   return {.submaps_sent = statistics_.submaps_sent,
           .uplink_bytes = bytes.sent_payload_bytes,

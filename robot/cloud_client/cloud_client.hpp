@@ -12,7 +12,6 @@
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/protocol/submap_sender.hpp"
-#include "shared/run_folder/run_folder.hpp"
 
 namespace fleetloc {
 
@@ -45,6 +44,17 @@ class CloudClient final : public MapLocalizer {
     std::string localizer;
   };
 
+  /// What the robot's end of the network has moved so far.
+  struct Traffic {
+    std::uint64_t submaps_sent = 0;
+    std::uint64_t uplink_bytes = 0;    ///< payload
+    std::uint64_t downlink_bytes = 0;  ///< payload
+    std::uint64_t uplink_wire_bytes = 0;
+    std::uint64_t downlink_wire_bytes = 0;
+    double loss = 0.0;  ///< see Statistics
+    std::optional<Duration> round_trip;
+  };
+
   CloudClient(RobotId robot, Channel& channel, const Config& config);
 
   void start_session(const RobotSession& session, Timestamp now) override;
@@ -61,7 +71,7 @@ class CloudClient final : public MapLocalizer {
 
   [[nodiscard]] Statistics statistics() const;
   /// What the network has moved so far.
-  [[nodiscard]] RunTraffic traffic() const;
+  [[nodiscard]] Traffic traffic() const;
   /// What has happened to the service since the last call, each a line for a log.
   std::vector<std::string> take_events();
 

@@ -13,7 +13,7 @@ constexpr std::size_t kAhead = 64;  // items, of which one in eleven or so is an
 
 }  // namespace
 
-DatasetPlayer::DatasetPlayer(FaultInjector input, double rate)
+DatasetPlayer::DatasetPlayer(DatasetReader input, double rate)
     : input_(std::move(input)),
       rate_(rate),
       played_(kAhead, Overflow::kBlock),

@@ -5,8 +5,8 @@
 #include <thread>
 #include <variant>
 
+#include "robot/dataset/dataset_reader.hpp"
 #include "shared/concurrency/bounded_queue.hpp"
-#include "shared/dataset/fault_injector.hpp"
 
 namespace fleetloc {
 
@@ -19,7 +19,7 @@ class DatasetPlayer {
   };
 
   /// @param rate  0: as fast as the consumer takes
-  DatasetPlayer(FaultInjector input, double rate);
+  DatasetPlayer(DatasetReader input, double rate);
 
   /// The next item; nothing at the end of the recording or when a stop is requested. Rethrows what
   /// ended the reading.
@@ -29,13 +29,13 @@ class DatasetPlayer {
   void stop();
 
   /// After stop().
-  [[nodiscard]] const FaultInjector& input() const { return input_; }
+  [[nodiscard]] const DatasetReader& input() const { return input_; }
 
  private:
   void play(const std::stop_token& stop);
   void wait_for(Timestamp stamp, const std::stop_token& stop);
 
-  FaultInjector input_;  // used by the thread until the queue is closed
+  DatasetReader input_;  // used by the thread until the queue is closed
   double rate_;
   std::optional<Timestamp> first_stamp_;
   std::chrono::steady_clock::time_point started_;

@@ -4,6 +4,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "robot/node/default_config.hpp"
 #include "robot/node/robot_node.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
@@ -28,11 +29,10 @@ int main(int argc, char** argv) {
     Program program("fleetloc-robot",
                     "Tracks a robot in a recording of stereo images and IMU, sends submaps to a "
                     "localizer, and fuses its answers into a pose at IMU rate.",
-                    "everything");
+                    kDefaultConfig);
     RobotNodeOptions options;
     std::string initial_pose;
     std::string link;
-    std::string faults;
     double duration = 0.0;
     std::string codec = "full";
     CLI::App& app = program.options();
@@ -54,7 +54,6 @@ int main(int argc, char** argv) {
                        "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
     app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
-    app.add_option("--faults", faults, "YAML: seed, and faults to inject while reading");
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
       if (!is_valid_id(options.id)) {
@@ -64,7 +63,6 @@ int main(int argc, char** argv) {
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
-      if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
       const ConfigReader config = program.config();
       options.config = program.command_line() + config.text();
       auto node = std::make_shared<RobotNode>(options, read_config(config));

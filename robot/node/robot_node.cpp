@@ -7,7 +7,7 @@
 
 #include "robot/node/dataset_player.hpp"
 #include "robot/node/threaded_back_end.hpp"
-#include "robot/pipeline/run_recorder.hpp"
+#include "robot/run_folder/run_recorder.hpp"
 #include "shared/config/progress_line.hpp"
 #include "shared/core/cpu_time.hpp"
 #include "shared/transport/dds_channel.hpp"
@@ -52,7 +52,7 @@ struct RobotNode::Parts {
         pipeline(setup(options, reader), config.pipeline, back_end, &client, thread_cpu_time),
         recorder(options.out),
         frame_count(reader.frame_count()),
-        player(FaultInjector(std::move(reader), options.faults), options.rate) {
+        player(std::move(reader), options.rate) {
     recorder.write_config(options.config);
   }
 

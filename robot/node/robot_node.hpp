@@ -8,7 +8,6 @@
 
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
-#include "shared/dataset/fault_injector.hpp"
 #include "shared/link/link_model.hpp"
 
 namespace fleetloc {
@@ -25,7 +24,6 @@ struct RobotNodeOptions {
   std::optional<double> duration_s;
   std::optional<Pose> T_map_body;  ///< at the first image
   std::optional<LinkConfig> link;
-  FaultPlan faults;
   std::string config;  ///< in force, as YAML; for the run folder
 };
 

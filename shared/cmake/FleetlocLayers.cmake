@@ -1,19 +1,29 @@
-# The architecture, lowest layer first. A library is a folder; it may use only lower layers, and
-# robot/ and cloud/ never use each other. Checked twice: where a target declares what it USES,
-# and over every #include by the test `layers`.
+# The architecture: rooms whose arrows point one way, idl, shared <- robot, cloud <- deploy <- test;
+# in them layers, lowest first. A library is a folder; it may use only lower layers, and robot/ and
+# cloud/ never use each other. Checked twice: where a target declares what it USES, and over every
+# #include by the test `layers`.
 set(FLEETLOC_LAYERS
     "shared/core idl"
-    "shared/geometry shared/concurrency shared/config shared/process"
-    "shared/model shared/link"
-    "shared/factors shared/wire shared/transport shared/trajectory shared/dataset shared/pointcloud"
-    "shared/protocol shared/run_folder robot/tracking robot/inertial cloud/laser_map shared/simulation shared/motion shared/world"
-    "robot/vio robot/submap robot/fusion cloud/baseline cloud/localizer cloud/mapping shared/sensors deploy/report"
-    "robot/pipeline robot/cloud_client cloud/pool deploy/monitor deploy/experiment"
-    "robot/node cloud/node deploy/tools")
+    "shared/geometry shared/concurrency shared/config"
+    "shared/model shared/link shared/transport/workarounds"
+    "shared/factors shared/wire shared/transport shared/trajectory shared/dataset"
+    "shared/protocol"
+    "robot/dataset robot/tracking robot/inertial cloud/point_cloud"
+    "robot/vio robot/submap robot/fusion cloud/laser_map cloud/mapping"
+    "robot/pipeline robot/cloud_client cloud/localizer"
+    "robot/run_folder cloud/pool"
+    "robot/node cloud/node"
+    "deploy/config deploy/process deploy/monitor deploy/replay deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
+    "deploy/sim/sensors deploy/evaluation/report"
+    "deploy/sim/recording deploy/evaluation/experiment"
+    "deploy/tools")
 
-# Third-party headers that only one library may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport" "fastcdr/=shared/wire" "pcl/=shared/pointcloud"
-    "embree3/=shared/world")
+# In the order in which CMake has to see them.
+string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
+
+# Third-party headers that only these may include.
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds)?" "fastcdr/=shared/wire"
+    "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world")
 
 function(fleetloc_layer_of folder out)
   set(index 0)
@@ -32,7 +42,9 @@ function(fleetloc_why_not own used out)
   set(${out} "" PARENT_SCOPE)
   fleetloc_layer_of(${own} own_layer)
   fleetloc_layer_of(${used} used_layer)
-  if(NOT used_layer LESS own_layer)
+  if("${own} ${used}" MATCHES "^(shared|robot|cloud)/[^ ]* deploy/")
+    set(${out} "'${own}' may not use '${used}': nothing below deploy/ needs it" PARENT_SCOPE)
+  elseif(NOT used_layer LESS own_layer)
     set(${out} "'${own}' (layer ${own_layer}) may not use '${used}' (layer ${used_layer})"
         PARENT_SCOPE)
   elseif("${own} ${used}" MATCHES "^(robot/.* cloud|cloud/.* robot)/")

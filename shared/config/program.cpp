@@ -5,8 +5,6 @@
 #include <iostream>
 #include <utility>
 
-#include "shared/config/default_config.hpp"
-
 namespace fleetloc {
 namespace {
 
@@ -31,8 +29,8 @@ std::string comment(const std::string& name, int argc, const char* const* argv) 
 
 }  // namespace
 
-Program::Program(std::string name, const std::string& description, std::string config_name)
-    : name_(std::move(name)), config_name_(std::move(config_name)), app_(description, name_) {
+Program::Program(std::string name, const std::string& description, std::string_view default_config)
+    : name_(std::move(name)), default_config_(default_config), app_(description, name_) {
   app_.set_version_flag("--version", name_ + " " + FLEETLOC_VERSION);
   // Before --print-config, because options take effect in the order of their definition.
   app_.add_option("--config", config_file_, "YAML file with what differs from --print-config");
@@ -43,13 +41,13 @@ Program::Program(std::string name, const std::string& description, std::string c
 }
 
 ConfigReader Program::config() const {
-  auto reader = ConfigReader::from_string(default_config(config_name_), config_name_ + ".yaml");
+  auto reader = ConfigReader::from_string(default_config_, "defaults");
   if (!config_file_.empty()) reader.overlay(ConfigReader::from_file(config_file_));
   return reader;
 }
 
 std::string Program::config_text() const {
-  if (config_file_.empty()) return std::string(default_config(config_name_));  // with comments
+  if (config_file_.empty()) return std::string(default_config_);  // with comments
   return config().text();
 }
 

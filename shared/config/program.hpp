@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -31,7 +32,7 @@ int guarded(const Body& body) noexcept {
 /// options are errors, and whatever goes wrong is one line on stderr and an exit code.
 ///
 ///     int main(int argc, char** argv) {
-///       Program program("fleetloc-cloud", "Localizes robots in a laser map.");
+///       Program program("fleetloc-cloud", "Localizes robots in a laser map.", kDefaultConfig);
 ///       std::string map_file;
 ///       program.options().add_option("--map", map_file, "laser map")->required();
 ///       return program.run(argc, argv, [&] {
@@ -43,8 +44,8 @@ class Program {
  public:
   using Run = std::function<int()>;
 
-  /// @param config_name  of the defaults, see default_config()
-  Program(std::string name, const std::string& description, std::string config_name = "everything");
+  /// @param default_config  YAML with all keys, embedded when the program is built
+  Program(std::string name, const std::string& description, std::string_view default_config);
   ~Program() = default;
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -67,7 +68,7 @@ class Program {
   [[nodiscard]] std::string config_text() const;
 
   std::string name_;
-  std::string config_name_;
+  std::string_view default_config_;
   std::string config_file_;
   std::string command_line_;
   CLI::App app_;

@@ -5,7 +5,6 @@
 
 #include "shared/model/camera.hpp"
 #include "shared/model/inertial.hpp"
-#include "shared/model/lidar_scan.hpp"
 
 namespace fleetloc {
 
@@ -21,6 +20,20 @@ struct ImuFile {
   ImuNoise noise;
   Pose T_rig_imu;
   double rate_hz = 0.0;
+};
+
+/// A rotating lidar on the body. A revolution has `columns` moments, in each of which all rings
+/// measure at once.
+struct LidarCalibration {
+  Pose T_body_lidar;
+  double rate_hz = 0.0;  ///< revolutions
+  int columns = 0;       ///< at most 65536
+  int rings = 0;         ///< at most 256
+
+  /// From the start of a scan to one of its columns.
+  [[nodiscard]] double column_time_s(int column) const {
+    return static_cast<double>(column) / (rate_hz * columns);
+  }
 };
 
 /// With or without the line `%YAML:1.0` that OpenCV writes and YAML does not know. Throw

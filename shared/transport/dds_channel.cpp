@@ -7,7 +7,7 @@
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/renewal_policy.hpp"
+#include "shared/transport/workarounds/renewal_policy.hpp"
 
 namespace fleetloc {
 

@@ -15,8 +15,8 @@
 
 #include "shared/link/channel.hpp"
 #include "shared/transport/dds_connection.hpp"
-#include "shared/transport/network_addresses.hpp"
-#include "shared/transport/peer_lookup.hpp"
+#include "shared/transport/workarounds/network_addresses.hpp"
+#include "shared/transport/workarounds/peer_lookup.hpp"
 
 namespace fleetloc {
 

@@ -1,6 +1,5 @@
 #include "shared/transport/qos_profiles.hpp"
 
-#include <array>
 #include <map>
 #include <mutex>
 #include <utility>
@@ -9,12 +8,10 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastrtps/attributes/LibrarySettingsAttributes.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
-#include <netdb.h>
-#include <sys/socket.h>
 #include <tinyxml2.h>
 
-#include "shared/transport/library_log.hpp"
 #include "shared/transport/transport_error.hpp"
+#include "shared/transport/workarounds/library_log.hpp"
 
 namespace fleetloc {
 namespace {
@@ -193,23 +190,6 @@ std::vector<NamedPeer> named_peers(const std::string& participant_profile) {
   const std::lock_guard lock(registry().mutex);
   const auto found = registry().named_peers.find(participant_profile);
   return found == registry().named_peers.end() ? std::vector<NamedPeer>() : found->second;
-}
-
-FoundPeers look_up(const NamedPeer& peer) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* first = nullptr;
-  if (getaddrinfo(peer.host.c_str(), nullptr, &hints, &first) != 0) return {};
-  FoundPeers found;
-  for (const addrinfo* it = first; it != nullptr; it = it->ai_next) {
-    std::array<char, INET_ADDRSTRLEN> text{};
-    const auto& address = reinterpret_cast<const sockaddr_in&>(*it->ai_addr);
-    inet_ntop(AF_INET, &address.sin_addr, text.data(), static_cast<socklen_t>(text.size()));
-    found.insert({.peer = peer, .address = text.data()});
-  }
-  freeaddrinfo(first);
-  return found;
 }
 
 }  // namespace fleetloc

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
+
+#include "shared/transport/workarounds/peer_lookup.hpp"
 
 namespace fleetloc {
 
@@ -20,27 +20,7 @@ namespace fleetloc {
 ///   there yet, or has moved, is no error.
 void load_qos_profiles(const std::filesystem::path& file);
 
-/// Where a participant looks for others, by name.
-struct NamedPeer {
-  std::string host;
-  std::uint32_t port = 0;     ///< 0: those of the first participants of a computer
-  std::string server_prefix;  ///< of the GUID of a discovery server; empty: not a server
-  auto operator<=>(const NamedPeer&) const = default;  // NOLINT(modernize-use-nullptr)
-};
-
 /// Of a loaded participant profile.
 std::vector<NamedPeer> named_peers(const std::string& participant_profile);
-
-/// A peer at one of the addresses of its host.
-struct FoundPeer {
-  NamedPeer peer;
-  std::string address;
-  auto operator<=>(const FoundPeer&) const = default;  // NOLINT(modernize-use-nullptr)
-};
-using FoundPeers = std::set<FoundPeer>;
-
-/// At all IPv4 addresses of its host; none if that is not known. Waits for the name servers, which
-/// can take many seconds.
-FoundPeers look_up(const NamedPeer& peer);
 
 }  // namespace fleetloc

@@ -12,8 +12,8 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
-#include "shared/transport/network_addresses.hpp"
-#include "shared/transport/rtps_check.hpp"
+#include "shared/transport/workarounds/network_addresses.hpp"
+#include "shared/transport/workarounds/rtps_check.hpp"
 
 namespace fleetloc {
 

@@ -11,9 +11,9 @@
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
 #include "shared/link/link_model.hpp"
-#include "shared/transport/known_addresses.hpp"
-#include "shared/transport/restart_watch.hpp"
-#include "shared/transport/rtps_message.hpp"
+#include "shared/transport/workarounds/known_addresses.hpp"
+#include "shared/transport/workarounds/restart_watch.hpp"
+#include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
 

@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/inertial/imu_factor.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 namespace {

@@ -8,9 +8,9 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/core/utility.hpp>
 
+#include "deploy/sim/sensors/landmark_survey.hpp"
+#include "robot/dataset/image_file.hpp"
 #include "shared/core/cpu_time.hpp"
-#include "shared/dataset/image_file.hpp"
-#include "shared/sensors/landmark_survey.hpp"
 #include "test/unit/sensors/campus_cameras.hpp"
 #include "test/unit/world/campus.hpp"
 

@@ -13,10 +13,10 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "deploy/config/default_config.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "robot/tracking/feature_tracker.hpp"
-#include "shared/config/default_config.hpp"
 #include "shared/core/cpu_time.hpp"
-#include "shared/dataset/dataset_reader.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {

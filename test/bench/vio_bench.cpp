@@ -5,9 +5,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "deploy/config/default_config.hpp"
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/vio/vio_config.hpp"
-#include "shared/config/default_config.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 namespace {

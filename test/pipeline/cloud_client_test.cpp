@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 #include "shared/link/memory_network.hpp"
 #include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"

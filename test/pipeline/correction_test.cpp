@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud/pool/simulated_cloud.hpp"
+#include "deploy/replay/simulated_cloud.hpp"
 #include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
 #include "shared/wire/session_codec.hpp"

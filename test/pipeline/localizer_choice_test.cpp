@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 
 namespace fleetloc {
 namespace {

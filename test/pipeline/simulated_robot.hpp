@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "deploy/replay/simulated_back_end.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "test/simulated_setup.hpp"

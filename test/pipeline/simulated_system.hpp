@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cloud/laser_map/build_map.hpp"
-#include "cloud/pool/simulated_cloud.hpp"
+#include "deploy/replay/simulated_cloud.hpp"
 #include "shared/link/memory_network.hpp"
 #include "test/pipeline/simulated_robot.hpp"
 

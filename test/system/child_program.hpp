@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/process/child_process.hpp"
+#include "deploy/process/child_process.hpp"
 
 namespace fleetloc {
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "shared/dataset/dataset_writer.hpp"
+#include "deploy/sim/recording/dataset_writer.hpp"
 #include "test/system/child_program.hpp"
 #include "test/unit/model/euroc_calibration.hpp"
 

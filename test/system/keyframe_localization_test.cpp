@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 #include "shared/core/percentile.hpp"
 #include "shared/geometry/covariance.hpp"
 #include "shared/geometry/so3.hpp"

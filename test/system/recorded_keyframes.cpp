@@ -8,12 +8,12 @@
 #include <opencv2/core/utility.hpp>
 
 #include "cloud/laser_map/build_map.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
+#include "deploy/config/default_config.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "robot/tracking/feature_tracker.hpp"
-#include "shared/config/default_config.hpp"
 #include "shared/core/counter_random.hpp"
-#include "shared/dataset/dataset_reader.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {

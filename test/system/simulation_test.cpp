@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "shared/dataset/dataset_reader.hpp"
-#include "shared/dataset/lidar_file.hpp"
-#include "shared/motion/recorded_motion.hpp"
+#include "cloud/mapping/lidar_file.hpp"
+#include "deploy/sim/motion/recorded_motion.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "shared/trajectory/tum_file.hpp"
 #include "test/system/recorded_flight.hpp"
 

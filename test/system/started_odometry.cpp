@@ -3,10 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "deploy/config/default_config.hpp"
+#include "deploy/evaluation/errors/alignment.hpp"
+#include "deploy/replay/simulated_back_end.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
-#include "shared/config/default_config.hpp"
-#include "shared/dataset/dataset_reader.hpp"
-#include "shared/trajectory/alignment.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {

@@ -1,4 +1,4 @@
-#include "shared/transport/known_addresses.hpp"
+#include "shared/transport/workarounds/known_addresses.hpp"
 
 #include <vector>
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/transport/participant.hpp"
-#include "shared/transport/peer_lookup.hpp"
+#include "shared/transport/workarounds/peer_lookup.hpp"
 #include "test/test_folder.hpp"
 #include "test/transport/test_network.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/transport/network_addresses.hpp"
+#include "shared/transport/workarounds/network_addresses.hpp"
 #include "test/system/network_namespace.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"

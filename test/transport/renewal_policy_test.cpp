@@ -1,4 +1,4 @@
-#include "shared/transport/renewal_policy.hpp"
+#include "shared/transport/workarounds/renewal_policy.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

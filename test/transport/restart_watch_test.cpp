@@ -1,4 +1,4 @@
-#include "shared/transport/restart_watch.hpp"
+#include "shared/transport/workarounds/restart_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "shared/transport/rtps_check.hpp"
+#include "shared/transport/workarounds/rtps_check.hpp"
 
 #include <random>
 #include <vector>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "shared/link/channel.hpp"
-#include "shared/transport/rtps_message.hpp"
+#include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
 

@@ -1,4 +1,4 @@
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 
 #include <stdexcept>
 

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "deploy/config/default_config.hpp"
 #include "shared/config/progress_line.hpp"
 #include "test/test_folder.hpp"
 
@@ -29,7 +30,7 @@ struct Outcome {
 Outcome run(
     std::vector<const char*> arguments,
     const std::function<Program::Run()>& prepare = [] { return [] { return 0; }; }) {
-  Program program("fleetloc-test", "Does nothing.");
+  Program program("fleetloc-test", "Does nothing.", default_config("everything"));
   std::string map;
   program.options().add_option("--map", map, "a map")->required();
   arguments.insert(arguments.begin(), "fleetloc-test");
@@ -67,7 +68,7 @@ TEST(Program, RefusesToStartWithoutARequiredOption) {
 }
 
 TEST(Program, KeepsItsCommandLineAsOneLineOfComment) {
-  Program program("fleetloc-test", "Does nothing.");
+  Program program("fleetloc-test", "Does nothing.", default_config("everything"));
   std::vector<std::string> words;
   program.options().add_option("words", words);
   const std::vector<const char*> arguments{"fleetloc-test", "a", "1 2", "c\nd"};

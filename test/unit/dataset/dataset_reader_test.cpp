@@ -1,4 +1,4 @@
-#include "shared/dataset/dataset_reader.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -1,12 +1,12 @@
-#include "shared/dataset/track_files.hpp"
+#include "robot/dataset/track_files.hpp"
 
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "shared/dataset/dataset_writer.hpp"
-#include "shared/dataset/fault_injector.hpp"
+#include "deploy/replay/fault_injector.hpp"
+#include "deploy/sim/recording/dataset_writer.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "shared/dataset/dataset_reader.hpp"
-#include "shared/dataset/dataset_writer.hpp"
+#include "deploy/sim/recording/dataset_writer.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "shared/geometry/so3.hpp"
 #include "test/test_folder.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "deploy/experiment/plan.hpp"
-#include "shared/motion/motion_config.hpp"
+#include "deploy/evaluation/experiment/plan.hpp"
+#include "deploy/sim/motion/motion_config.hpp"
 
 namespace fleetloc {
 namespace {

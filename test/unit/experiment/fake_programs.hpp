@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "deploy/experiment/programs.hpp"
+#include "deploy/evaluation/experiment/programs.hpp"
 #include "test/unit/experiment/plan_files.hpp"
 
 namespace fleetloc {

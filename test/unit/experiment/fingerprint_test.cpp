@@ -1,4 +1,4 @@
-#include "deploy/experiment/fingerprint.hpp"
+#include "deploy/evaluation/experiment/fingerprint.hpp"
 
 #include <stdexcept>
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "deploy/experiment/plan.hpp"
+#include "deploy/evaluation/experiment/plan.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

@@ -1,4 +1,4 @@
-#include "deploy/experiment/plan.hpp"
+#include "deploy/evaluation/experiment/plan.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
-#include "deploy/experiment/results.hpp"
+#include "deploy/evaluation/experiment/results.hpp"
 
 #include <sstream>
 
 #include <gmock/gmock.h>
 
-#include "deploy/experiment/experiment_report.hpp"
+#include "deploy/evaluation/experiment/experiment_report.hpp"
 #include "test/unit/experiment/fake_programs.hpp"
 
 namespace fleetloc {

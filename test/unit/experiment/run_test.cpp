@@ -1,4 +1,4 @@
-#include "deploy/experiment/run.hpp"
+#include "deploy/evaluation/experiment/run.hpp"
 
 #include <chrono>
 #include <set>

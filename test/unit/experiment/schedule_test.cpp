@@ -1,4 +1,4 @@
-#include "deploy/experiment/schedule.hpp"
+#include "deploy/evaluation/experiment/schedule.hpp"
 
 #include <atomic>
 #include <latch>
@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "deploy/experiment/programs.hpp"
+#include "deploy/evaluation/experiment/programs.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

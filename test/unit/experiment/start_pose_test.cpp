@@ -1,4 +1,4 @@
-#include "deploy/experiment/start_pose.hpp"
+#include "deploy/evaluation/experiment/start_pose.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "deploy/config/default_config.hpp"
 #include "robot/fusion/pose_fusion.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 #include "shared/core/time.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/model/answer.hpp"

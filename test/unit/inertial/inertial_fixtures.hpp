@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/inertial/preintegration.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

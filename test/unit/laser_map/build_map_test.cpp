@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 
 namespace fleetloc {
 namespace {

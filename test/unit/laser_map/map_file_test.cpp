@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "cloud/laser_map/map_hash.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

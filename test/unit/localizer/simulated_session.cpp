@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "cloud/laser_map/build_map.hpp"
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {

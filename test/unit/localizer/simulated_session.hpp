@@ -7,10 +7,10 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "deploy/sim/room/simulated_run.hpp"
 #include "shared/core/counter_random.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 
 namespace fleetloc {
 namespace {

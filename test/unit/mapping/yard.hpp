@@ -4,10 +4,10 @@
 #include <fstream>
 #include <functional>
 
+#include "cloud/mapping/lidar_file.hpp"
 #include "cloud/mapping/mapping_config.hpp"
-#include "shared/config/default_config.hpp"
-#include "shared/dataset/lidar_file.hpp"
-#include "shared/sensors/lidar.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/sim/sensors/lidar.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {

@@ -1,4 +1,4 @@
-#include "shared/motion/motion_config.hpp"
+#include "deploy/sim/motion/motion_config.hpp"
 
 #include <algorithm>
 

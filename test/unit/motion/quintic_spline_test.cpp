@@ -1,4 +1,4 @@
-#include "shared/motion/quintic_spline.hpp"
+#include "deploy/sim/motion/quintic_spline.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "shared/motion/recorded_motion.hpp"
+#include "deploy/sim/motion/recorded_motion.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -1,12 +1,12 @@
-#include "shared/motion/spline_motion.hpp"
+#include "deploy/sim/motion/spline_motion.hpp"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 
+#include "deploy/sim/motion/motion_extremes.hpp"
+#include "deploy/sim/motion/vibration.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/motion/motion_extremes.hpp"
-#include "shared/motion/vibration.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,11 +1,11 @@
-#include "shared/motion/waypoint_motion.hpp"
+#include "deploy/sim/motion/waypoint_motion.hpp"
 
 #include <cmath>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 
-#include "shared/motion/route_path.hpp"
+#include "deploy/sim/motion/route_path.hpp"
 
 namespace fleetloc {
 namespace {

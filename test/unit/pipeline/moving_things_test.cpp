@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "deploy/replay/simulated_back_end.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/geometry/pose.hpp"
 #include "test/simulated_setup.hpp"

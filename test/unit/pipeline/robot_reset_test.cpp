@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "deploy/replay/simulated_back_end.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "test/simulated_setup.hpp"
 

@@ -1,4 +1,4 @@
-#include "shared/process/child_process.hpp"
+#include "deploy/process/child_process.hpp"
 
 #include <chrono>
 #include <csignal>

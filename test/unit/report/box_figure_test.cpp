@@ -1,4 +1,4 @@
-#include "deploy/report/box_figure.hpp"
+#include "deploy/evaluation/report/box_figure.hpp"
 
 #include <numeric>
 

@@ -1,10 +1,10 @@
-#include "deploy/report/configuration_table.hpp"
+#include "deploy/evaluation/report/configuration_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "deploy/report/drawing.hpp"
+#include "deploy/evaluation/report/drawing.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "deploy/report/gnuplot.hpp"
+#include "deploy/evaluation/report/gnuplot.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "deploy/report/map_layer.hpp"
+#include "deploy/evaluation/report/map_layer.hpp"
 
 #include <cmath>
 #include <limits>

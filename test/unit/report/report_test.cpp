@@ -1,4 +1,4 @@
-#include "deploy/report/report.hpp"
+#include "deploy/evaluation/report/report.hpp"
 
 #include <fstream>
 #include <set>
@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "deploy/report/html.hpp"
-#include "shared/config/default_config.hpp"
-#include "shared/pointcloud/point_cloud_file.hpp"
+#include "cloud/point_cloud/point_cloud_file.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/evaluation/report/html.hpp"
 #include "test/test_folder.hpp"
 #include "test/unit/report/synthetic_run.hpp"
 

@@ -1,4 +1,4 @@
-#include "deploy/report/run_data.hpp"
+#include "deploy/evaluation/report/run_data.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "robot/run_folder/run_folder.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/run_folder/run_folder.hpp"
 #include "shared/trajectory/trajectory.hpp"
 
 namespace fleetloc {

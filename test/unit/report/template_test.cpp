@@ -1,10 +1,10 @@
-#include "deploy/report/template.hpp"
+#include "deploy/evaluation/report/template.hpp"
 
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "deploy/report/html.hpp"
+#include "deploy/evaluation/report/html.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "shared/run_folder/run_folder.hpp"
+#include "robot/run_folder/run_folder.hpp"
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-#include "shared/run_folder/run_summary.hpp"
+#include "robot/run_folder/run_summary.hpp"
 
 #include <cstdint>
 

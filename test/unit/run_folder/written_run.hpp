@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "shared/run_folder/run_folder.hpp"
+#include "robot/run_folder/run_folder.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "deploy/sim/sensors/stereo_renderer.hpp"
 #include "shared/model/camera.hpp"
-#include "shared/sensors/stereo_renderer.hpp"
 
 namespace fleetloc {
 

@@ -1,13 +1,13 @@
-#include "shared/sensors/imu_model.hpp"
+#include "deploy/sim/sensors/imu_model.hpp"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 
+#include "deploy/sim/motion/vibration.hpp"
+#include "deploy/sim/motion/waypoint_motion.hpp"
 #include "robot/inertial/preintegration.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/motion/vibration.hpp"
-#include "shared/motion/waypoint_motion.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,10 +1,11 @@
-#include "shared/sensors/lidar.hpp"
+#include "deploy/sim/sensors/lidar.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gmock/gmock.h>
 
+#include "shared/dataset/sensor_file.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {

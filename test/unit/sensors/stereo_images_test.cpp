@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "shared/config/default_config.hpp"
-#include "shared/sensors/stereo_renderer.hpp"
+#include "deploy/config/default_config.hpp"
+#include "deploy/sim/sensors/stereo_renderer.hpp"
 #include "test/unit/sensors/campus_cameras.hpp"
 #include "test/unit/world/campus.hpp"
 

@@ -1,4 +1,4 @@
-#include "shared/sensors/stereo_renderer.hpp"
+#include "deploy/sim/sensors/stereo_renderer.hpp"
 
 #include <algorithm>
 #include <set>
@@ -9,8 +9,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "shared/sensors/landmark_survey.hpp"
-#include "shared/sensors/pixel_block.hpp"
+#include "deploy/sim/sensors/landmark_survey.hpp"
+#include "deploy/sim/sensors/pixel_block.hpp"
 #include "test/unit/sensors/campus_cameras.hpp"
 #include "test/unit/world/campus.hpp"
 

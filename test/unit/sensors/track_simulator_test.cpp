@@ -1,4 +1,4 @@
-#include "shared/sensors/track_simulator.hpp"
+#include "deploy/sim/sensors/track_simulator.hpp"
 
 #include <cmath>
 #include <map>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "shared/sensors/track_statistics.hpp"
+#include "deploy/sim/sensors/track_statistics.hpp"
 
 namespace fleetloc {
 namespace {

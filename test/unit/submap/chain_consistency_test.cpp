@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "deploy/config/default_config.hpp"
 #include "robot/submap/submap_builder.hpp"
-#include "shared/config/default_config.hpp"
 #include "test/unit/submap/simulated_window.hpp"
 #include "test/unit/vio/simulated_vio.hpp"
 

@@ -3,8 +3,8 @@
 #include <random>
 #include <vector>
 
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/inertial/inertial_window.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 #include "shared/wire/submap_codec.hpp"
 #include "test/unit/submap/simulated_window.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/config/default_config.hpp"
 
 namespace fleetloc {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "deploy/config/default_config.hpp"
 #include "robot/tracking/feature_tracker.hpp"
-#include "shared/config/default_config.hpp"
 
 namespace fleetloc {
 

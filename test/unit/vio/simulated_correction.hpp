@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/vio/window_estimate.hpp"
 #include "robot/vio/window_graph.hpp"
 #include "shared/model/correction.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "shared/config/default_config.hpp"
+#include "deploy/config/default_config.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {

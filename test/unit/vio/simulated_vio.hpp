@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "deploy/sim/room/simulated_run.hpp"
 #include "robot/vio/vio_config.hpp"
-#include "shared/simulation/simulated_run.hpp"
 
 namespace fleetloc {
 

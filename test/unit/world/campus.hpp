@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "deploy/sim/world/scene.hpp"
+#include "deploy/sim/world/scene_config.hpp"
+#include "deploy/sim/world/session_scene.hpp"
 #include "shared/geometry/pose.hpp"
-#include "shared/world/scene.hpp"
-#include "shared/world/scene_config.hpp"
-#include "shared/world/session_scene.hpp"
 
 namespace fleetloc {
 

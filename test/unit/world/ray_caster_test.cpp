@@ -1,4 +1,4 @@
-#include "shared/world/ray_caster.hpp"
+#include "deploy/sim/world/ray_caster.hpp"
 
 #include <cmath>
 #include <stdexcept>

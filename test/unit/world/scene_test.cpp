@@ -1,11 +1,11 @@
-#include "shared/world/scene.hpp"
+#include "deploy/sim/world/scene.hpp"
 
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "shared/world/session_scene.hpp"
+#include "deploy/sim/world/session_scene.hpp"
 #include "test/unit/world/campus.hpp"
 
 namespace fleetloc {

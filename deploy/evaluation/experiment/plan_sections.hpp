@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "deploy/evaluation/experiment/plan.hpp"
+
+namespace fleetloc {
+
+// The entries of a plan. All throw ConfigError; files are relative to `base`.
+
+DatasetSpec read_dataset_spec(const std::string& name,
+                              ConfigReader section,
+                              const std::filesystem::path& base);
+MapSpec read_map_spec(const std::string& name,
+                      ConfigReader section,
+                      const std::filesystem::path& base);
+ConfigurationSpec read_configuration_spec(const std::string& name,
+                                          ConfigReader section,
+                                          const std::filesystem::path& base,
+                                          const ConfigurationCheck& check);
+
+/// Loss, latency and bandwidth hold in both directions, those of `up` and `down` in one.
+LinkSpec read_link_spec(const std::string& name, ConfigReader section);
+
+/// The file that a key names, absolute.
+std::filesystem::path existing_file(ConfigReader& section,
+                                    const std::string& key,
+                                    const std::filesystem::path& base);
+
+}  // namespace fleetloc

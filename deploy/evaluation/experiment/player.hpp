@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+#include "deploy/evaluation/experiment/run.hpp"
+
+namespace fleetloc {
+
+/// Where a run is played.
+struct Place {
+  std::filesystem::path folder;  ///< becomes its run folder
+  int slot = 0;
+};
+
+/// Runs the programs under test: fleetloc-replay, or fleetloc-cloud and fleetloc-robot over DDS.
+/// They never see the ground truth. Throws Interrupted and ProgramFailed.
+void play(const Run& run,
+          const RunContext& context,
+          const Place& place,
+          const std::stop_token& stop);
+
+/// The file that `--link` takes.
+std::string link_yaml(const LinkConfig& link, std::uint64_t seed);
+
+}  // namespace fleetloc

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deploy/evaluation/experiment/results.hpp"
+
+namespace fleetloc {
+
+/// Results that differ in their seed alone.
+struct Group {
+  const Run* run;                      ///< any of them
+  std::vector<const Result*> results;  ///< that ended well
+};
+
+/// In the order of the results.
+std::vector<Group> groups_of(const std::vector<Result>& results);
+
+/// A figure of each result that has it.
+std::vector<double> values_of(const Group& group,
+                              nlohmann::json Result::*source,
+                              const std::string& pointer);
+
+/// Nothing if no result has it.
+std::optional<double> mean_of(const Group& group,
+                              nlohmann::json Result::*source,
+                              const std::string& pointer);
+std::optional<double> least_of(const Group& group,
+                               nlohmann::json Result::*source,
+                               const std::string& pointer);
+std::optional<double> greatest_of(const Group& group,
+                                  nlohmann::json Result::*source,
+                                  const std::string& pointer);
+
+}  // namespace fleetloc

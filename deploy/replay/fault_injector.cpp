@@ -1,0 +1,233 @@
+#include "deploy/replay/fault_injector.hpp"
+
+#include <array>
+#include <limits>
+#include <utility>
+
+#include <opencv2/core.hpp>
+
+#include "shared/core/uniform.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::array kKinds{FaultKind::kBlackImages,
+                            FaultKind::kSaturatedImages,
+                            FaultKind::kFrozenImages,
+                            FaultKind::kMissingLeft,
+                            FaultKind::kMissingRight,
+                            FaultKind::kDroppedFrames,
+                            FaultKind::kDoubledFrames,
+                            FaultKind::kDisorderedFrames,
+                            FaultKind::kImuGap,
+                            FaultKind::kDoubledImu,
+                            FaultKind::kDisorderedImu,
+                            FaultKind::kNonFiniteImu};
+
+constexpr bool is_of_images(FaultKind kind) {
+  return kind <= FaultKind::kDisorderedFrames;
+}
+
+constexpr bool has_share(FaultKind kind) {
+  return kind >= FaultKind::kDroppedFrames && kind != FaultKind::kImuGap;
+}
+
+FaultKind kind_named(const std::string& text, const std::string& origin) {
+  std::string known;
+  for (const FaultKind kind : kKinds) {
+    if (text == name(kind)) return kind;
+    known += (known.empty() ? "" : ", ") + std::string(name(kind));
+  }
+  throw ConfigError(origin + ": kind: '" + text + "' is none of " + known);
+}
+
+Fault read_fault(ConfigReader& config, const std::string& origin) {
+  constexpr double kLongest = 1e6;
+  Fault fault;
+  fault.kind = kind_named(config.get<std::string>("kind"), origin);
+  fault.start_s = config.get<double>("start_s");
+  const bool valid = fault.start_s >= 0.0 && fault.start_s <= kLongest;  // false for NaN
+  if (!valid) throw ConfigError(origin + ": start_s: must be in 0..1e6");
+  fault.duration_s = config.positive("duration_s");
+  if (fault.duration_s > kLongest) throw ConfigError(origin + ": duration_s: must be at most 1e6");
+  if (has_share(fault.kind)) fault.share = config.positive("share");
+  if (fault.share > 1.0) throw ConfigError(origin + ": share: must be at most 1");
+  return fault;
+}
+
+// The images may be shared with whoever keeps them, so they are not written to.
+void paint(StereoFrame& frame, int gray) {
+  for (cv::Mat* image : {&frame.left, &frame.right}) {
+    if (!image->empty()) *image = cv::Mat(image->size(), image->type(), cv::Scalar(gray));
+  }
+}
+
+/// @param last  the frame before, if there was one
+void spoil(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
+  if (kind == FaultKind::kBlackImages) paint(frame, 0);
+  if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
+  if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
+  if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
+  if (kind == FaultKind::kFrozenImages && last != nullptr && !last->left.empty()) {
+    frame.left = last->left;
+    frame.right = last->right;
+  }
+}
+
+/// What a front end would have made of such images.
+void spoil(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
+  const bool blind = kind == FaultKind::kBlackImages || kind == FaultKind::kSaturatedImages ||
+                     kind == FaultKind::kMissingLeft;
+  if (blind) frame.observations.clear();
+  if (kind == FaultKind::kMissingRight) {
+    for (StereoObservation& observation : frame.observations) observation.disparity = 0.0;
+  }
+  if (kind == FaultKind::kFrozenImages && last != nullptr) frame.observations = last->observations;
+}
+
+}  // namespace
+
+std::string_view name(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::kBlackImages:
+      return "black_images";
+    case FaultKind::kSaturatedImages:
+      return "saturated_images";
+    case FaultKind::kFrozenImages:
+      return "frozen_images";
+    case FaultKind::kMissingLeft:
+      return "missing_left";
+    case FaultKind::kMissingRight:
+      return "missing_right";
+    case FaultKind::kDroppedFrames:
+      return "dropped_frames";
+    case FaultKind::kDoubledFrames:
+      return "doubled_frames";
+    case FaultKind::kDisorderedFrames:
+      return "disordered_frames";
+    case FaultKind::kImuGap:
+      return "imu_gap";
+    case FaultKind::kDoubledImu:
+      return "doubled_imu";
+    case FaultKind::kDisorderedImu:
+      return "disordered_imu";
+    case FaultKind::kNonFiniteImu:
+      return "non_finite_imu";
+  }
+  return "unknown";
+}
+
+FaultPlan read_fault_plan(ConfigReader config) {
+  FaultPlan plan;
+  plan.seed = config.get<std::uint64_t>("seed");
+  const auto faults = config.get<std::vector<YAML::Node>>("faults");
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    const std::string origin =
+        "line " + std::to_string(faults[i].Mark().line + 1) + ": faults[" + std::to_string(i) + "]";
+    ConfigReader fault = ConfigReader::from_string(YAML::Dump(faults[i]), origin);
+    plan.faults.push_back(read_fault(fault, origin));
+    fault.expect_fully_read();
+  }
+  config.expect_fully_read();
+  return plan;
+}
+
+FaultInjector::FaultInjector(DatasetReader reader, FaultPlan plan)
+    : reader_(std::move(reader)), plan_(std::move(plan)), struck_(plan_.faults.size(), 0) {
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    std::seed_seq seed{static_cast<std::uint32_t>(plan_.seed),
+                       static_cast<std::uint32_t>(plan_.seed >> 32U),
+                       static_cast<std::uint32_t>(i)};
+    random_.emplace_back(seed);
+  }
+}
+
+std::map<std::string, std::uint64_t> FaultInjector::faults() const {
+  std::map<std::string, std::uint64_t> faults = reader_.faults();
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    faults["injected_" + std::string(name(plan_.faults[i].kind))] += struck_[i];
+  }
+  return faults;
+}
+
+std::optional<DatasetReader::Item> FaultInjector::next() {
+  while (ready_.empty()) {
+    auto item = reader_.next();
+    if (item) {
+      std::visit([this](auto& measurement) { take(std::move(measurement)); }, *item);
+    } else if (late_frame_) {
+      ready_.push_back(*std::exchange(late_frame_, std::nullopt));
+    } else if (late_sample_) {
+      ready_.push_back(*std::exchange(late_sample_, std::nullopt));
+    } else {
+      return std::nullopt;
+    }
+  }
+  DatasetReader::Item item = std::move(ready_.front());
+  ready_.pop_front();
+  return item;
+}
+
+bool FaultInjector::strikes(std::size_t fault, Timestamp stamp) {
+  const Fault& plan = plan_.faults[fault];
+  const Duration since = stamp - reader_.recording_start() - from_seconds(plan.start_s);
+  if (since < Duration{} || since >= from_seconds(plan.duration_s)) return false;
+  const bool strikes = plan.share >= 1.0 || uniform(random_[fault]) < plan.share;
+  struck_[fault] += strikes ? 1 : 0;
+  return strikes;
+}
+
+void FaultInjector::take(CameraFrame frame) {
+  const Timestamp stamp = stamp_of(frame);
+  bool dropped = false;
+  bool doubled = false;
+  bool late = false;
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    const FaultKind kind = plan_.faults[i].kind;
+    if (!is_of_images(kind) || !strikes(i, stamp)) continue;
+    dropped = dropped || kind == FaultKind::kDroppedFrames;
+    doubled = doubled || kind == FaultKind::kDoubledFrames;
+    late = late || kind == FaultKind::kDisorderedFrames;
+    std::visit(
+        [&]<typename Frame>(Frame& any) {
+          spoil(any, kind, last_frame_ ? std::get_if<Frame>(&*last_frame_) : nullptr);
+        },
+        frame);
+  }
+  last_frame_ = frame;
+  if (!dropped) deliver(std::move(frame), late_frame_, doubled, late);
+}
+
+void FaultInjector::take(const ImuSample& sample) {
+  ImuSample spoiled = sample;
+  bool dropped = false;
+  bool doubled = false;
+  bool late = false;
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    const FaultKind kind = plan_.faults[i].kind;
+    if (is_of_images(kind) || !strikes(i, sample.stamp)) continue;
+    dropped = dropped || kind == FaultKind::kImuGap;
+    doubled = doubled || kind == FaultKind::kDoubledImu;
+    late = late || kind == FaultKind::kDisorderedImu;
+    if (kind == FaultKind::kNonFiniteImu) {
+      spoiled.angular_velocity.x() = std::numeric_limits<double>::quiet_NaN();
+      spoiled.specific_force.z() = std::numeric_limits<double>::infinity();
+    }
+  }
+  if (!dropped) deliver(spoiled, late_sample_, doubled, late);
+}
+
+void FaultInjector::deliver(DatasetReader::Item item,
+                            std::optional<DatasetReader::Item>& held_back,
+                            bool twice,
+                            bool late) {
+  if (late && !held_back) {
+    held_back = std::move(item);
+    return;
+  }
+  if (twice) ready_.push_back(item);
+  ready_.push_back(std::move(item));
+  if (held_back) ready_.push_back(*std::exchange(held_back, std::nullopt));
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "deploy/replay/icp.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/model/map_localizer.hpp"
+
+namespace fleetloc {
+
+/// A baseline to compare the localizer with: each submap by itself, its landmarks moved onto the
+/// map's points by ICP, from where the last answer and the odometry since say that they are. It
+/// keeps no window, and knows no uncertainty: answers have a fixed covariance. In simulated time
+/// and without a link; while it works, a newer submap replaces the one that waits.
+class IcpLocalizer final : public MapLocalizer {
+ public:
+  struct Config {
+    IcpConfig icp;
+    double least_matched_share;  ///< of the landmarks, by IcpConfig::most_distance_m
+    double most_rms_m;           ///< of their distances to the map's points
+    double sigma_m;              ///< of an answer
+    double sigma_rad;
+  };
+
+  /// @param localization_time  that each alignment is said to take
+  IcpLocalizer(std::shared_ptr<const LaserMap> map,
+               const Config& config,
+               Duration localization_time);
+
+  void start_session(const RobotSession& session, Timestamp now) override;
+  void submit(Submap submap, Timestamp now) override;
+  [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
+  [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  void note_applied() override {}
+  void update_start(const StartPose&) override {}  // nobody else could begin with it
+
+ private:
+  struct Running {
+    Answer answer;
+    Timestamp ready;
+  };
+  void advance(Timestamp now);
+  [[nodiscard]] Answer answer_to(const Submap& submap);
+  [[nodiscard]] LocalizationStatus judge(const IcpResult& result) const;
+
+  std::shared_ptr<const LaserMap> map_;
+  IcpTarget target_;
+  Config config_;
+  Duration localization_time_;
+  std::optional<RobotSession> session_;
+  std::optional<Pose> T_map_odom_;
+  std::optional<Submap> waiting_;
+  std::optional<Running> running_;
+  std::vector<Answer> answers_;
+};
+
+/// Strict; throws ConfigError.
+IcpLocalizer::Config read_icp_localizer_config(ConfigReader section);
+
+}  // namespace fleetloc

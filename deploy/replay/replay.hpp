@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "cloud/pool/localizer_pool.hpp"
+#include "deploy/replay/fault_injector.hpp"
+#include "deploy/replay/icp_localizer.hpp"
+#include "robot/cloud_client/cloud_client.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "shared/link/link_model.hpp"
+
+namespace fleetloc {
+
+/// Computing times that a replay assumes, so that its latency is neither flattered nor noisy.
+struct ReplayDurations {
+  double back_end_s;
+  double localization_s;
+};
+
+struct ReplayConfig {
+  RobotPipeline::Config pipeline;
+  KeyframeWorker::Config worker;
+  CloudClient::Config client;
+  LocalizerPool::Config pool;
+  IcpLocalizer::Config icp;
+  ReplayDurations durations;
+};
+
+struct ReplayOptions {
+  std::filesystem::path dataset;
+  std::filesystem::path out;
+  bool tracks = false;                       ///< plays the dataset's tracks instead of its images
+  std::optional<std::filesystem::path> map;  ///< without: odometry only
+  std::optional<Pose> T_map_body;            ///< start pose, at the first image
+  double start_s = 0.0;
+  std::optional<double> duration_s;
+  LinkConfig link;
+  FaultPlan faults;
+  bool align_once = false;
+  bool icp_baseline = false;  ///< in place of the cloud, and without the link
+  std::string config;         ///< in force, as YAML; for the run folder
+};
+
+/// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened. What is
+/// returned runs the dataset through robot, link and cloud, once, in one thread and in simulated
+/// time: the same input gives the same bits. It throws std::runtime_error, e.g. from the reader.
+std::function<void(const std::stop_token&)> prepared_replay(const ReplayOptions& options,
+                                                            const ReplayConfig& config);
+
+}  // namespace fleetloc

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <opencv2/core/mat.hpp>
+
+#include "deploy/sim/recording/sim_config.hpp"
+#include "deploy/sim/recording/sim_motion.hpp"
+#include "deploy/sim/world/session_scene.hpp"
+
+namespace fleetloc {
+
+/// Pictures of a world to look at, a row for each session: what the left camera sees at four places
+/// of the way, and a lidar scan at the first of them from above (60 m across; what is higher above
+/// the lidar is darker).
+cv::Mat contact_sheet(const SimMotion& motion,
+                      std::span<const SessionScene> sessions,
+                      const SimConfig& config,
+                      std::uint64_t seed);
+
+}  // namespace fleetloc

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stop_token>
+
+#include "deploy/sim/recording/sim_config.hpp"
+#include "deploy/sim/recording/sim_motion.hpp"
+#include "deploy/sim/sensors/track_statistics.hpp"
+#include "deploy/sim/world/session_scene.hpp"
+#include "robot/tracking/feature_tracker.hpp"
+
+namespace fleetloc {
+
+/// What the cameras of a simulation look at, frame by frame.
+struct SimFrames {
+  const SimMotion* motion;
+  const SessionScene* scene;
+  std::uint64_t first = 0;  ///< number of the first frame; they count from the motion's time zero
+  std::uint64_t end = 0;
+};
+
+/// Writes feature tracks into `folder`, see TrackFiles. Returns how many frames; fewer than asked
+/// for if a stop is requested.
+std::size_t write_tracks(const SimFrames& frames,
+                         const SimConfig& config,
+                         std::uint64_t seed,
+                         const std::filesystem::path& folder,
+                         const std::stop_token& stop);
+
+/// Simulated tracks, and those that a robot's front end makes of rendered images.
+struct TrackComparison {
+  TrackStatistics simulated;
+  TrackStatistics tracked;
+};
+TrackComparison compare_tracks(const SimFrames& frames,
+                               const SimConfig& config,
+                               const FeatureTracker::Config& front_end,
+                               std::uint64_t seed,
+                               const std::stop_token& stop);
+
+}  // namespace fleetloc

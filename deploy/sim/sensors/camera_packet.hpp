@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "deploy/sim/sensors/light.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// Where pixels look, in the camera's frame.
+struct CameraPacket {
+  RayPacket::Lanes<float> direction_x, direction_y, direction_z;  ///< zero in unused lanes
+  RayPacket::Lanes<std::uint8_t> sun_part;
+
+  void set(std::size_t lane, const Eigen::Vector3f& direction_cam, std::uint8_t its_sun_part);
+};
+
+/// What a pixel's ray sees of the sun.
+inline std::uint8_t sun_part(int u, int v) {
+  return static_cast<std::uint8_t>((u + v) % kSunParts);
+}
+
+struct CameraView {
+  explicit CameraView(const Pose& T_map_cam)
+      : R_map_cam(T_map_cam.R.toRotationMatrix().cast<float>()), p_map(T_map_cam.p.cast<float>()) {}
+  Eigen::Matrix3f R_map_cam;
+  Eigen::Vector3f p_map;
+};
+
+ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pixel_rad);
+
+}  // namespace fleetloc

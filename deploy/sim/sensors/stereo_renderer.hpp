@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "deploy/sim/sensors/camera_packet.hpp"
+#include "deploy/sim/sensors/light.hpp"
+#include "deploy/sim/sensors/pixel_block.hpp"
+#include "deploy/sim/sensors/seen_image.hpp"
+#include "deploy/sim/sensors/sensor_response.hpp"
+#include "deploy/sim/sensors/view_rays.hpp"
+#include "deploy/sim/world/session_scene.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/core/time.hpp"
+#include "shared/geometry/pose.hpp"
+#include "shared/model/camera.hpp"
+#include "shared/model/stereo_frame.hpp"
+
+namespace fleetloc {
+
+/// Images of a stereo camera in a session of the world, exact in geometry: a pixel shows what its
+/// center's ray, by the camera's own model, meets. The same bytes for one seed, however many
+/// threads work.
+class StereoRenderer {
+ public:
+  struct Config {
+    int threads;
+    Exposure::Config exposure;
+    PixelResponse::Noise noise;
+    float corner_loss;      ///< of light, in the corners of the image
+    float exposure_time_s;  ///< of motion blur
+    int motion_samples;     ///< over that time; 1: no motion blur
+    bool smooth_edges;      ///< more rays where a pixel lies on an edge
+  };
+
+  /// `scene` must live as long.
+  StereoRenderer(const StereoCalibration& calibration,
+                 const SessionScene& scene,
+                 const Config& config,
+                 std::uint64_t seed);
+
+  struct Shot {
+    Timestamp stamp;
+    double time_s = 0.0;      ///< the same since the start of the session, for whatever moves
+    std::uint64_t frame = 0;  ///< its number, for the noise
+  };
+  using Motion = std::function<Pose(double time_s)>;  ///< T_map_body
+
+  /// Both images, exposed about the shot's time. Shots must come in the order of their times: the
+  /// exposure follows the brightness of those before.
+  StereoFrame render(const Shot& shot, const Motion& T_map_body);
+
+ private:
+  struct Eye {
+    Eye(const Camera& camera, Pose T_body_camera, const Config& config, const CounterRandom& noise);
+
+    ViewRays rays;
+    std::vector<std::array<CameraPacket, PixelBlock::kPackets>> blocks;  // the same, by rows
+    std::vector<float> arriving;  // share of the light, by pixel
+    Pose T_body_cam;
+    PixelResponse response;
+    SeenImage seen;
+  };
+  void expose(Eye& eye, const Shot& shot, const Motion& T_map_body);
+  void trace(Eye& eye, const SceneView& view, const Pose& T_map_cam);
+  [[nodiscard]] cv::Mat developed(const Eye& eye, std::uint64_t frame, float gain) const;
+
+  Config config_;
+  const SessionScene* scene_;
+  Light light_;
+  Exposure exposure_;
+  std::array<Eye, 2> eyes_;
+};
+
+/// Strict; throws ConfigError.
+StereoRenderer::Config read_stereo_renderer_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "robot/dataset/frame_source.hpp"
+#include "shared/config/delimited_file.hpp"
+#include "shared/dataset/dataset_error.hpp"
+#include "shared/model/camera.hpp"
+#include "shared/model/inertial.hpp"
+
+namespace fleetloc {
+
+/// Plays a folder in the EuRoC/ASL layout (mav0/{cam0,cam1,imu0}) in the order of time; an IMU
+/// sample comes before a frame of the same stamp. The IMU record begins one second before the
+/// first frame that is played and ends with the first sample after the last one. Frames are read
+/// in next(), never ahead. The body is the IMU, whatever frame the files state their poses in.
+class DatasetReader {
+ public:
+  using Item = std::variant<ImuSample, CameraFrame>;
+
+  struct Options {
+    std::filesystem::path folder;  ///< that holds mav0, or mav0 itself
+    double start_s = 0.0;          ///< of the recording to skip, from its first frame
+    std::optional<double> duration_s = std::nullopt;  ///< of the frames to play
+    bool tracks = false;  ///< plays mav0/tracks0 (see TrackFiles) instead of the images
+  };
+
+  /// Throws DatasetError.
+  explicit DatasetReader(const Options& options);
+
+  [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] const ImuNoise& imu_noise() const { return imu_noise_; }
+
+  /// The first frame of the whole recording, whatever part of it is selected.
+  [[nodiscard]] Timestamp recording_start() const { return recording_start_; }
+
+  /// Frames of the selected part.
+  [[nodiscard]] std::size_t frame_count() const { return end_frame_ - first_frame_; }
+
+  /// The next measurement; nothing at the end. Throws DatasetError that names file and line.
+  std::optional<Item> next();
+
+  /// What was wrong so far, but did no harm: "unpaired_images" (their frame has one empty image),
+  /// "dropped_frames" and "imu_gaps", by the rates that the sensors' files state.
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& faults() const { return faults_; }
+
+ private:
+  void read_calibration(const std::filesystem::path& mav0);
+  void select_frames(const Options& options);
+  void read_imu_sample();
+  CameraFrame read_next_frame();
+
+  StereoCalibration calibration_;
+  ImuNoise imu_noise_;
+  Duration frame_interval_{};
+  Duration imu_interval_{};
+  Timestamp recording_start_;
+  std::unique_ptr<FrameSource> frames_;
+  std::size_t first_frame_ = 0;  // of the selected part, as are the next two
+  std::size_t next_frame_ = 0;
+  std::size_t end_frame_ = 0;
+  DelimitedFile imu_file_;
+  std::optional<ImuSample> imu_sample_;  // the next one; nothing at the end of the file
+  bool finished_ = false;
+  std::map<std::string, std::uint64_t> faults_ = {
+      {"unpaired_images", 0}, {"dropped_frames", 0}, {"imu_gaps", 0}};
+};
+
+Timestamp stamp_of(const DatasetReader::Item& item);
+
+}  // namespace fleetloc

@@ -1,0 +1,171 @@
+#include "robot/run_folder/run_folder.hpp"
+
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "robot/run_folder/run_summary.hpp"
+#include "shared/trajectory/tum_file.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kCoveredForSeconds =
+    5.0;  // dead reckoning for less than this still counts as covered
+
+std::ofstream opened(const std::filesystem::path& file) {
+  std::ofstream stream(file);
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  return stream;
+}
+
+void append(std::string& line, const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  line += text.data();
+}
+
+void append_upper_triangle(std::string& line, const Matrix6d& covariance, bool known) {
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      append(line, ",%.9g", known ? covariance(row, column) : kNaN);
+    }
+  }
+}
+
+std::string triangle_header(const char* prefix) {
+  std::string header;
+  for (int row = 1; row <= 6; ++row) {
+    for (int column = row; column <= 6; ++column) {
+      header += "," + std::string(prefix) + std::to_string(row) + std::to_string(column);
+    }
+  }
+  return header;
+}
+
+std::string diagnostics_line(const FrameRecord& frame) {
+  const PoseEstimate& pose = frame.pose;
+  std::string line = stamp_text(pose.stamp) + "," + std::string(name(pose.quality));
+  append(line, ",%.6f", to_seconds(pose.since_last_answer));
+  append_upper_triangle(line, pose.covariance_map, pose.T_map_body.has_value());
+  append_upper_triangle(line, pose.covariance_odom, pose.quality != Quality::kInitializing);
+  line += "," + std::to_string(frame.uplink_bytes) + "," + std::to_string(frame.downlink_bytes);
+  append(line, ",%.4f", frame.loss);
+  append(line, ",%.6f", frame.round_trip ? to_seconds(*frame.round_trip) : kNaN);
+  line += "," + std::to_string(frame.tracks) + "," + (frame.keyframe ? "1" : "0");
+  return line + "," + std::to_string(frame.resets) + "\n";
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const std::filesystem::path& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
+  odometry_ = opened(folder / "odometry.tum");
+  localization_ = opened(folder / "localization.tum");
+  localization_frames_ = opened(folder / "localization_frames.tum");
+  diagnostics_ = opened(folder / "diagnostics.csv");
+  answers_ = opened(folder / "answers.csv");
+  diagnostics_ << "stamp_s,state,since_last_answer_s" << triangle_header("cm")
+               << triangle_header("co")
+               << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets\n";
+  answers_ << "stamp_s,arrival_s,localizer,status,reason,applied\n";
+}
+
+void RunFolder::write_config(const std::string& yaml) const {
+  const auto file = folder_ / "config.yaml";
+  std::ofstream stream = opened(file);
+  stream << yaml;
+  stream.close();
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
+  if (pose.T_map_body) write_tum_line(localization_, pose.stamp, *pose.T_map_body);
+}
+
+void RunFolder::add_frame(const FrameRecord& frame) {
+  record_frame(frame);
+  flush();
+}
+
+void RunFolder::record_frame(const FrameRecord& frame) {
+  const PoseEstimate& pose = frame.pose;
+  ++counted_.frames;
+  if (!first_frame_) first_frame_ = pose.stamp;
+  last_frame_ = pose.stamp;
+  diagnostics_ << diagnostics_line(frame);
+  if (pose.quality == Quality::kInitializing) return;
+  if (!first_pose_) first_pose_ = pose.stamp;
+  write_tum_line(odometry_, pose.stamp, pose.T_odom_body);
+  count_coverage(pose);
+  if (!pose.T_map_body) return;
+  if (!first_localization_) first_localization_ = pose.stamp;
+  write_tum_line(localization_frames_, pose.stamp, *pose.T_map_body);
+}
+
+// Whole lines, for who watches the run, and for what is left of one that is killed.
+void RunFolder::flush() {
+  for (std::ofstream* stream :
+       {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {
+    stream->flush();
+  }
+}
+
+void RunFolder::count_coverage(const PoseEstimate& pose) {
+  ++frames_since_first_pose_;
+  const bool covered = pose.quality == Quality::kLocalized ||
+                       (pose.quality == Quality::kDeadReckoning &&
+                        to_seconds(pose.since_last_answer) < kCoveredForSeconds);
+  if (covered) ++covered_frames_;
+}
+
+void RunFolder::add_answer(const AnswerRecord& answer) {
+  ++counted_.answers_received;
+  const std::string status(name(answer.status));
+  if (answer.applied) {
+    ++counted_.answers_applied;
+  } else {
+    const bool localized = answer.status == LocalizationStatus::kLocalized;
+    ++counted_.answers_rejected[localized ? std::string(answer.reason) : status];
+  }
+  answers_ << stamp_text(answer.stamp) << ',' << stamp_text(answer.arrival) << ','
+           << answer.localizer << ',' << status << ',' << answer.reason << ','
+           << (answer.applied ? 1 : 0) << '\n';
+}
+
+void RunFolder::finish(RunSummary summary) {
+  summary.frames = counted_.frames;
+  summary.answers_received = counted_.answers_received;
+  summary.answers_applied = counted_.answers_applied;
+  summary.answers_rejected = counted_.answers_rejected;
+  RunTimes times;
+  if (first_frame_) {
+    times.duration_s = to_seconds(last_frame_ - *first_frame_);
+    if (first_pose_) times.first_pose_s = to_seconds(*first_pose_ - *first_frame_);
+    if (first_localization_) {
+      times.first_localization_s = to_seconds(*first_localization_ - *first_frame_);
+    }
+  }
+  if (frames_since_first_pose_ > 0) {
+    times.coverage =
+        static_cast<double>(covered_frames_) / static_cast<double>(frames_since_first_pose_);
+  }
+  for (std::ofstream* stream :
+       {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {
+    stream->flush();
+    if (!*stream) throw std::runtime_error(folder_.string() + ": could not be written completely");
+  }
+  std::ofstream json = opened(folder_ / "summary.json");
+  json << to_json(summary, times).dump(2) << '\n';
+  json.close();
+  if (!json) throw std::runtime_error(folder_.string() + "/summary.json: cannot be written");
+}
+
+}  // namespace fleetloc

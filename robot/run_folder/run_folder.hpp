@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "shared/model/answer.hpp"
+#include "shared/model/pose_estimate.hpp"
+
+namespace fleetloc {
+
+/// One line of diagnostics.csv, and of the two trajectories at frame times.
+struct FrameRecord {
+  PoseEstimate pose;                 ///< at the frame's stamp; causal
+  std::uint64_t uplink_bytes = 0;    ///< payload since the start
+  std::uint64_t downlink_bytes = 0;  ///< payload since the start
+  double loss = 0.0;
+  std::optional<Duration> round_trip;
+  int tracks = 0;
+  bool keyframe = false;
+  std::uint64_t resets = 0;  ///< of the odometry so far
+};
+
+/// One line of answers.csv.
+struct AnswerRecord {
+  Timestamp stamp;
+  Timestamp arrival;
+  std::string localizer;
+  LocalizationStatus status{};
+  std::string_view reason;  ///< of fusion, if it was not applied
+  bool applied = false;
+};
+
+/// What summary.json holds; SI units but where a name says otherwise.
+struct RunSummary {
+  std::uint64_t frames = 0;
+  std::uint64_t keyframes = 0;
+  std::uint64_t submaps_sent = 0;
+  std::uint64_t answers_received = 0;
+  std::uint64_t answers_applied = 0;
+  std::map<std::string, std::uint64_t> answers_rejected;  ///< by reason
+  std::uint64_t corrections_applied = 0;
+  std::uint64_t corrections_ignored = 0;
+  std::uint64_t uplink_bytes = 0;
+  std::uint64_t downlink_bytes = 0;
+  std::uint64_t uplink_wire_bytes = 0;
+  std::uint64_t downlink_wire_bytes = 0;
+  std::uint64_t resets = 0;
+  std::map<std::string, std::uint64_t> input_faults;  ///< of the dataset, by kind
+  bool interrupted = false;  ///< by a signal, before the end of the dataset
+  double wall_s = 0.0;
+  double cpu_s = 0.0;
+  std::vector<double> decode_ms;    ///< of each frame
+  std::vector<double> tracking_ms;  ///< of each frame
+  std::vector<double> backend_ms;   ///< of each keyframe
+  double fusion_us_per_imu = 0.0;
+  std::uint64_t max_rss_bytes = 0;
+};
+
+/// The folder that a robot or a replay writes. All poses are causal: as known at that time.
+class RunFolder {
+ public:
+  /// Creates the folder and its files; throws std::runtime_error that names what cannot be made.
+  explicit RunFolder(const std::filesystem::path& folder);
+
+  /// Writes config.yaml.
+  /// @param yaml  the configuration in force
+  void write_config(const std::string& yaml) const;
+  void add_imu_rate_pose(const PoseEstimate& pose);
+  void add_frame(const FrameRecord& frame);
+  void add_answer(const AnswerRecord& answer);
+
+  /// Writes summary.json: the given figures, and those that follow from the records (frames,
+  /// answers, duration, first pose and localization, coverage).
+  void finish(RunSummary summary);
+
+ private:
+  void record_frame(const FrameRecord& frame);
+  void count_coverage(const PoseEstimate& pose);
+  void flush();
+
+  std::filesystem::path folder_;
+  std::ofstream odometry_;
+  std::ofstream localization_;
+  std::ofstream localization_frames_;
+  std::ofstream diagnostics_;
+  std::ofstream answers_;
+  RunSummary counted_;  // what follows from the records
+  std::optional<Timestamp> first_frame_;
+  Timestamp last_frame_;
+  std::optional<Timestamp> first_pose_;
+  std::optional<Timestamp> first_localization_;
+  std::uint64_t frames_since_first_pose_ = 0;
+  std::uint64_t covered_frames_ = 0;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "robot/cloud_client/cloud_client.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "robot/run_folder/run_folder.hpp"
+
+namespace fleetloc {
+
+/// Writes what a pipeline puts out into a run folder. Without a map there is no traffic.
+class RunRecorder {
+ public:
+  explicit RunRecorder(const std::filesystem::path& folder) : folder_(folder) {}
+
+  void write_config(const std::string& yaml) const { folder_.write_config(yaml); }
+  void add_imu_rate_pose(const PoseEstimate& pose) { folder_.add_imu_rate_pose(pose); }
+  void add_decoding(Duration cpu) { summary_.decode_ms.push_back(1e3 * to_seconds(cpu)); }
+
+  /// Takes the pipeline's outputs since the last call.
+  void take(RobotPipeline& pipeline, const CloudClient::Traffic& traffic);
+
+  /// How the run ended, and what its caller alone knows.
+  struct End {
+    bool interrupted = false;  ///< before the end of the dataset
+    double wall_s = 0.0;
+    std::map<std::string, std::uint64_t> input_faults;
+  };
+  /// Processor time and memory are the process's.
+  void finish(const RobotPipeline& pipeline, const CloudClient::Traffic& traffic, const End& end);
+
+ private:
+  RunFolder folder_;
+  RunSummary summary_;
+};
+
+}  // namespace fleetloc
