@@ -21,7 +21,7 @@ constexpr float kMaxCoordinate = 16384.0F;  // [m]
 
 /// So that coordinates of voxels fit 32 bits.
 constexpr double kFinestResolution = 1e-5;  // [m]
-constexpr double kMostResolution = 1e3;     // [m]
+constexpr double kMaxResolution = 1e3;      // [m]
 
 struct PointInVoxel {
   std::array<std::int32_t, 3> voxel;  // coordinates [resolution_m]
@@ -134,7 +134,7 @@ MapInfo describe(const std::vector<MapPoint>& points, const std::string& frame, 
 }  // namespace
 
 MapConfig read_map_config(ConfigReader section) {
-  return {.resolution_m = section.number("resolution_m", kFinestResolution, kMostResolution),
+  return {.resolution_m = section.number("resolution_m", kFinestResolution, kMaxResolution),
           .normal_radius_m = section.positive("normal_radius_m"),
           .min_neighbours = section.integer("min_neighbours", 3, 1000),
           .threads = section.integer("threads", 1, 64)};

@@ -12,8 +12,8 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLeastLever = 0.1;         // [m]
-constexpr double kLeastInformation = 1e-6;  // [1/m^2]
+constexpr double kMinLever = 0.1;         // [m]
+constexpr double kMinInformation = 1e-6;  // [1/m^2]
 
 WindowMotion motion_about(const std::vector<MapMatch>& matches) {
   WindowMotion motion;
@@ -24,7 +24,7 @@ WindowMotion motion_about(const std::vector<MapMatch>& matches) {
   for (const MapMatch& match : matches) {
     distances.push_back((match.landmark.p_map - motion.center_map).norm());
   }
-  motion.lever_m = std::max(*percentile(std::move(distances), 0.5), kLeastLever);
+  motion.lever_m = std::max(*percentile(std::move(distances), 0.5), kMinLever);
   return motion;
 }
 
@@ -47,7 +47,7 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
   }
   result.motion = motion_about(matches);
   Matrix6d information = Matrix6d::Zero();
-  double feigned = 0.0;
+  double spurious = 0.0;
   for (const MapMatch& match : matches) {
     const Eigen::Vector3d& n = match.normal;
     const Eigen::Vector3d arm =
@@ -57,12 +57,12 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
     const double weight =
         1.0 / (match.sigma_m * match.sigma_m + n.dot(match.landmark.covariance * n));
     information += weight * gradient * gradient.transpose();
-    feigned += weight * config.normal_sigma_rad * config.normal_sigma_rad;
+    spurious += weight * config.normal_sigma_rad * config.normal_sigma_rad;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
   int weak = 0;
   for (int i = 0; i < 6; ++i) {
-    const double honest = std::max(eigen.eigenvalues()(i) - feigned, kLeastInformation);
+    const double honest = std::max(eigen.eigenvalues()(i) - spurious, kMinInformation);
     result.sigmas_m(i) = 1.0 / std::sqrt(honest);
     if (result.sigmas_m(i) > config.weak_sigma_m) ++weak;
   }

@@ -5,8 +5,8 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLeastDisparity = 0.5;  // what is less says little more than "far" [px]
-constexpr double kLeastDepth = 0.05;     // [m]
+constexpr double kMinDisparity = 0.5;  // what is less says little more than "far" [px]
+constexpr double kMinDepth = 0.05;     // [m]
 
 struct Sighting {
   const StereoObservation* observation = nullptr;
@@ -16,7 +16,7 @@ struct Sighting {
 Eigen::Vector3d seen_at(const Sighting& sighting, const RectifiedStereo& stereo) {
   const StereoObservation& seen = *sighting.observation;
   const double depth =
-      stereo.focal_px * stereo.baseline_m / std::max(seen.disparity, kLeastDisparity);
+      stereo.focal_px * stereo.baseline_m / std::max(seen.disparity, kMinDisparity);
   const Eigen::Vector2d ray = (seen.left - stereo.center_px) / stereo.focal_px;
   const Eigen::Vector3d p_cam0(depth * ray.x(), depth * ray.y(), depth);
   return *sighting.T_map_body * (stereo.T_body_cam0 * p_cam0);
@@ -57,7 +57,7 @@ Eigen::Matrix3d position_information(const StereoObservation& observation,
                                      const Eigen::Vector3d& p_map,
                                      double pixel_sigma_px) {
   const Eigen::Vector3d p_cam0 = T_cam0_map * p_map;
-  if (p_cam0.z() < kLeastDepth) return Eigen::Matrix3d::Zero();
+  if (p_cam0.z() < kMinDepth) return Eigen::Matrix3d::Zero();
   const double scale = stereo.focal_px / (p_cam0.z() * pixel_sigma_px);
   const Eigen::Vector2d ray = p_cam0.head<2>() / p_cam0.z();
   Eigen::Matrix3d J = Eigen::Matrix3d::Zero();  // u_left, v, u_right by p_cam0

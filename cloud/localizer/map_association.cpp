@@ -24,20 +24,20 @@ Cell cell_of(const Eigen::Vector3d& p_map, double edge_m) {
 
 // Whether the landmark may lie on the surface around the map point: the distance against the gate,
 // the landmark's uncertainty, and, along a plane, the spacing of the map's points.
-bool is_within_gate(const MapMatch& match, double gate_m, double spacing_m, double deviations) {
-  const double sigma = gate_m / deviations;
+bool is_within_gate(const MapMatch& match, double gate_m, double spacing_m, double sigmas) {
+  const double sigma = gate_m / sigmas;
   Eigen::Matrix3d spread = match.landmark.covariance + sigma * sigma * Eigen::Matrix3d::Identity();
   if (match.is_planar) {
     spread += spacing_m * spacing_m *
               (Eigen::Matrix3d::Identity() - match.normal * match.normal.transpose());
   }
   const Eigen::Vector3d d = match.landmark.p_map - match.q_map;
-  return d.dot(spread.ldlt().solve(d)) <= deviations * deviations;
+  return d.dot(spread.ldlt().solve(d)) <= sigmas * sigmas;
 }
 
 // Beyond the gate on the far side of the surface: new things may stand before what the map holds,
 // but nothing can be seen through it.
-bool is_hidden(const MapMatch& nearest, double gate_m) {
+bool is_occluded(const MapMatch& nearest, double gate_m) {
   if (!nearest.is_planar) return false;
   const double viewer = nearest.normal.dot(nearest.landmark.seen_from - nearest.q_map);
   const double landmark = nearest.normal.dot(nearest.landmark.p_map - nearest.q_map);
@@ -64,7 +64,7 @@ MapMatch make_match(const WindowLandmark& landmark,
   match.map_point = index;
   match.q_map = point.p_map.cast<double>();
   match.normal = point.normal.cast<double>();
-  match.is_planar = point.planarity >= config.least_planarity && match.normal.squaredNorm() > 0.5;
+  match.is_planar = point.planarity >= config.min_planarity && match.normal.squaredNorm() > 0.5;
   if (match.is_planar && std::abs(match.normal.z()) >= config.level_from) make_level(match);
   match.sigma_m = match.is_planar ? config.plane_sigma_m : config.point_sigma_m;
   match.widening = std::max(1.0, kShareOfGate * gate_m / match.sigma_m);
@@ -95,19 +95,19 @@ Association associate_by(const Nearest& nearest_to,
     const double own_sigma = greatest_sigma(landmark.covariance);
     if (!(own_sigma <= config.max_landmark_sigma_m)) continue;
     ++result.eligible;
-    const double reach =
-        std::hypot(gate_m, config.gate_deviations * std::hypot(own_sigma, spacing));
-    const auto nearest = nearest_to(landmark, std::max(reach, config.coverage_radius_m));
+    const double search_radius_m =
+        std::hypot(gate_m, config.gate_sigmas * std::hypot(own_sigma, spacing));
+    const auto nearest = nearest_to(landmark, std::max(search_radius_m, config.coverage_radius_m));
     if (!nearest) continue;
     ++result.covered;
     const MapMatch match =
         make_match(landmark, nearest->index, map.point(nearest->index), gate_m, config);
-    if (is_within_gate(match, gate_m, spacing, config.gate_deviations)) {
+    if (is_within_gate(match, gate_m, spacing, config.gate_sigmas)) {
       result.matches.push_back(match);
       if (match.is_level) ++result.level;
-    } else if (is_hidden(match, gate_m)) {
-      ++result.hidden;
-      if (match.is_level) ++result.buried;
+    } else if (is_occluded(match, gate_m)) {
+      ++result.occluded;
+      if (match.is_level) ++result.below_ground;
     }
   }
   cap_information(result.matches, config);
@@ -130,7 +130,7 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
                       const LaserMap& map,
                       double gate_m,
                       const AssociationConfig& config,
-                      NearestMemory& memory) {
+                      NearestNeighborCache& memory) {
   const auto nearest_to = [&memory](const WindowLandmark& landmark, double radius_m) {
     return memory.nearest(landmark.id, landmark.p_map, radius_m);
   };
@@ -145,10 +145,10 @@ double residual(const MapMatch& match, const Eigen::Vector3d& p_map) {
 AssociationConfig read_association_config(ConfigReader section) {
   return {.plane_sigma_m = section.positive("plane_sigma_m"),
           .point_sigma_m = section.positive("point_sigma_m"),
-          .least_planarity = section.positive("least_planarity"),
+          .min_planarity = section.positive("min_planarity"),
           .level_from = section.number("level_from", 0.0, 1.0),
           .max_landmark_sigma_m = section.positive("max_landmark_sigma_m"),
-          .gate_deviations = section.positive("gate_deviations"),
+          .gate_sigmas = section.positive("gate_sigmas"),
           .coverage_radius_m = section.positive("coverage_radius_m"),
           .cell_m = section.positive("cell_m"),
           .matches_per_cell = section.positive("matches_per_cell")};

@@ -4,7 +4,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/map_match.hpp"
-#include "cloud/localizer/nearest_memory.hpp"
+#include "cloud/localizer/nearest_neighbor_cache.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -12,10 +12,10 @@ namespace fleetloc {
 struct AssociationConfig {
   double plane_sigma_m;         ///< map noise and association error along a plane's normal
   double point_sigma_m;         ///< the same where the surroundings are not planar
-  double least_planarity;       ///< of the map point, see MapPoint: from here on point to plane
+  double min_planarity;         ///< of the map point, see MapPoint: from here on point to plane
   double level_from;            ///< vertical part of a unit normal: flatter surfaces are level
   double max_landmark_sigma_m;  ///< a landmark less certain than this is not matched
-  double gate_deviations;       ///< standard deviations within which a match must lie
+  double gate_sigmas;           ///< standard deviations within which a match must lie
   double coverage_radius_m;     ///< map within this of a landmark: the place is mapped
   double cell_m;                ///< edge of the cells over which map information is capped
   double matches_per_cell;      ///< so many count fully; more of them share their information
@@ -26,12 +26,12 @@ struct Association {
   int eligible = 0;               ///< landmarks known well enough
   int covered = 0;                ///< of these, on mapped ground
   int level = 0;                  ///< of the matches, on level surfaces
-  int hidden = 0;                 ///< of these, seen through a surface of the map
-  int buried = 0;                 ///< of these, under level ground
+  int occluded = 0;               ///< of these, seen through a surface of the map
+  int below_ground = 0;           ///< of these, under level ground
 
   /// Of the landmarks that can tell the place: level ground fits wherever the robot is.
-  [[nodiscard]] int telling_matches() const { return static_cast<int>(matches.size()) - level; }
-  [[nodiscard]] int telling_landmarks() const { return eligible - level; }
+  [[nodiscard]] int informative_matches() const { return static_cast<int>(matches.size()) - level; }
+  [[nodiscard]] int informative_landmarks() const { return eligible - level; }
 };
 
 /// Pairs landmarks with the nearest map point within `gate_m`, widened by the landmark's own
@@ -45,7 +45,7 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
                       const LaserMap& map,
                       double gate_m,
                       const AssociationConfig& config,
-                      NearestMemory& memory);
+                      NearestNeighborCache& memory);
 
 /// Along the normal, or the distance where there is none [m].
 double residual(const MapMatch& match, const Eigen::Vector3d& p_map);

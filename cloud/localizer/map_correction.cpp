@@ -58,10 +58,10 @@ std::vector<const WindowSystem::Landmark*> candidates(const WindowSystem& system
     found.push_back(
         {&landmark, landmark.equations.H.determinant() / landmark.H_robot.determinant()});
   }
-  const auto most = 2 * static_cast<std::size_t>(config.max_landmarks);
-  if (found.size() > most) {
+  const auto max_count = 2 * static_cast<std::size_t>(config.max_landmarks);
+  if (found.size() > max_count) {
     std::ranges::stable_sort(found, std::greater<>{}, &Candidate::gain);
-    found.resize(most);
+    found.resize(max_count);
   }
   std::vector<const WindowSystem::Landmark*> result;
   result.reserve(found.size());
@@ -206,7 +206,7 @@ Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionCo
   pose_floors << Eigen::Vector3d::Constant(config.pose_floor_rad),
       Eigen::Vector3d::Constant(config.pose_floor_m);
   for (const auto& pair : knowledge.relative_poses) {
-    if (!(pair.covariances.gain() >= config.least_gain)) continue;
+    if (!(pair.covariances.gain() >= config.min_gain)) continue;
     correction.relative_poses.push_back(
         {pair.from,
          pair.to,
@@ -217,11 +217,11 @@ Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionCo
   std::vector<std::pair<double, const RelativeKnowledge::Landmark*>> chosen;
   for (const auto& landmark : knowledge.landmarks) {
     const double gain = landmark.covariances.gain();
-    if (gain >= config.least_gain) chosen.emplace_back(gain, &landmark);
+    if (gain >= config.min_gain) chosen.emplace_back(gain, &landmark);
   }
   std::ranges::stable_sort(chosen, [](const auto& a, const auto& b) { return a.first > b.first; });
-  const auto most = static_cast<std::size_t>(config.max_landmarks);
-  if (chosen.size() > most) chosen.resize(most);
+  const auto max_count = static_cast<std::size_t>(config.max_landmarks);
+  if (chosen.size() > max_count) chosen.resize(max_count);
   const Eigen::Vector3d floors = Eigen::Vector3d::Constant(config.landmark_floor_m);
   for (const auto& [gain, landmark] : chosen) {
     correction.landmarks.push_back(
@@ -237,7 +237,7 @@ CorrectionConfig read_correction_config(ConfigReader section) {
   return {.keyframes = section.integer("keyframes", 2, 17),
           .max_landmarks = section.integer("max_landmarks", 0, 128),
           .max_landmark_sigma_m = section.positive("max_landmark_sigma_m"),
-          .least_gain = section.positive("least_gain"),
+          .min_gain = section.positive("min_gain"),
           .pose_floor_rad = section.positive("pose_floor_rad"),
           .pose_floor_m = section.positive("pose_floor_m"),
           .landmark_floor_m = section.positive("landmark_floor_m"),

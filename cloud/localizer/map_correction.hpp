@@ -15,7 +15,7 @@ struct CorrectionConfig {
   int keyframes;                ///< the latest so many are corrected
   int max_landmarks;            ///< those of which the map says most
   double max_landmark_sigma_m;  ///< by the robot's measurements, given its poses
-  double least_gain;            ///< an item of which the map says less is not sent [nat]
+  double min_gain;              ///< an item of which the map says less is not sent [nat]
   double pose_floor_rad;  ///< added to the standard deviations of what is sent: systematic errors
   double pose_floor_m;
   double landmark_floor_m;

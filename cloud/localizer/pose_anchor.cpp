@@ -37,10 +37,10 @@ PoseBelief PoseAnchor::at(const Pose& T_odom_later,
 Matrix6d information_along(const Directions& weak,
                            const WindowMotion& motion,
                            const PoseBelief& belief,
-                           double least_sigma_m) {
+                           double min_sigma_m) {
   const Eigen::MatrixXd W = weak_by_body(weak, motion, belief.T_map_body);
   Eigen::MatrixXd covariance = W * belief.covariance * W.transpose();
-  covariance.diagonal().array() += least_sigma_m * least_sigma_m;
+  covariance.diagonal().array() += min_sigma_m * min_sigma_m;
   const Matrix6d information = W.transpose() * covariance.inverse() * W;
   return 0.5 * (information + information.transpose());
 }
@@ -48,9 +48,9 @@ Matrix6d information_along(const Directions& weak,
 Matrix6d widened_along(const Directions& weak,
                        const WindowMotion& motion,
                        const PoseBelief& result,
-                       const Matrix6d& least) {
+                       const Matrix6d& min_covariance) {
   const Eigen::MatrixXd W = weak_by_body(weak, motion, result.T_map_body);
-  const Eigen::MatrixXd missing = W * (least - result.covariance) * W.transpose();
+  const Eigen::MatrixXd missing = W * (min_covariance - result.covariance) * W.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(missing);
   const Eigen::MatrixXd U =
       motion.by_body(result.T_map_body) * weak * eigen.eigenvectors();  // W U = eigenvectors

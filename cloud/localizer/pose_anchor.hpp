@@ -40,17 +40,17 @@ struct PoseAnchor {
 };
 
 /// The information of `belief`, restricted to the `weak` directions of a motion of the window, for
-/// a prior on its pose. `least_sigma_m` bounds how hard it may hold.
+/// a prior on its pose. `min_sigma_m` bounds how hard it may hold.
 Matrix6d information_along(const Eigen::Matrix<double, 6, Eigen::Dynamic>& weak,
                            const WindowMotion& motion,
                            const PoseBelief& belief,
-                           double least_sigma_m);
+                           double min_sigma_m);
 
 /// `covariance` of T_map_body, made no smaller along the `weak` directions than `least` is.
 Matrix6d widened_along(const Eigen::Matrix<double, 6, Eigen::Dynamic>& weak,
                        const WindowMotion& motion,
                        const PoseBelief& result,
-                       const Matrix6d& least);
+                       const Matrix6d& min_covariance);
 
 DriftConfig read_drift_config(ConfigReader section);
 

@@ -11,10 +11,10 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kMaxScore = 9.0;  // of a landmark: that of three standard deviations
+constexpr double kMaxScore = 9.0;  // of a landmark: that of three standard sigmas
 
-std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int most) {
-  const auto count = std::min(landmarks.size(), static_cast<std::size_t>(most));
+std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int max_count) {
+  const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
   std::vector<WindowLandmark> result;
   result.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -42,12 +42,12 @@ Pose motion_of(const Eigen::Vector3d& theta,
 }
 
 // The prior itself, and both ways along x, y and yaw of the map.
-std::vector<Pose> starts_around(const PoseBelief& prior, double deviations) {
+std::vector<Pose> starts_around(const PoseBelief& prior, double sigmas) {
   const Eigen::Matrix3d R = prior.T_map_body.R.toRotationMatrix();
   const Eigen::Matrix3d rotation = R * prior.covariance.topLeftCorner<3, 3>() * R.transpose();
   const Eigen::Matrix3d position = R * prior.covariance.bottomRightCorner<3, 3>() * R.transpose();
   std::vector<Pose> starts{Pose{}};
-  for (const double sign : {-deviations, deviations}) {
+  for (const double sign : {-sigmas, sigmas}) {
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector3d t =
           sign * std::sqrt(position(axis, axis)) * Eigen::Vector3d::Unit(axis);
@@ -85,8 +85,8 @@ void add_match(const MapMatch& match,
   const auto add = [&](const Eigen::Vector3d& direction) {
     const double variance = sigma * sigma + direction.dot(match.landmark.covariance * direction);
     const double error = direction.dot(d);
-    const double deviations = error / (config.kernel * std::sqrt(variance));
-    const double robust = 1.0 / (1.0 + deviations * deviations);
+    const double sigmas = error / (config.kernel * std::sqrt(variance));
+    const double robust = 1.0 / (1.0 + sigmas * sigmas);
     const bool is_before = error * direction.dot(match.landmark.seen_from - match.q_map) > 0.0;
     const double likely = match.is_level && is_before ? config.lifted_weight : 1.0;
     s.add(direction, arm, error, likely * robust / variance);
@@ -103,7 +103,7 @@ Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
                            const std::optional<Pose>& guess) const {
   if (landmarks.empty()) return Pose{};
   const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
-  std::vector<Pose> starts = starts_around(prior, config_.start_deviations);
+  std::vector<Pose> starts = starts_around(prior, config_.start_sigmas);
   if (guess) starts.push_back(*guess);
   std::vector<Aligned> results;
   results.reserve(starts.size());
@@ -145,7 +145,7 @@ double RigidAlignment::score(const std::vector<WindowLandmark>& landmarks,
                              const Pose& T_new_old) const {
   const Association found = associate(moved(landmarks, T_new_old), map_, gate_m, association_);
   // What is under the ground speaks against a place, what is nowhere does not speak for it.
-  double sum = kMaxScore * (static_cast<double>(found.eligible + found.buried) -
+  double sum = kMaxScore * (static_cast<double>(found.eligible + found.below_ground) -
                             static_cast<double>(found.matches.size()));
   for (const MapMatch& match : found.matches) {
     const double error = residual(match, match.landmark.p_map);
@@ -160,7 +160,7 @@ double RigidAlignment::score(const std::vector<WindowLandmark>& landmarks,
 RigidAlignment::Config read_rigid_alignment_config(ConfigReader section) {
   return {.iterations = section.integer("iterations", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
-          .start_deviations = section.positive("start_deviations"),
+          .start_sigmas = section.positive("start_sigmas"),
           .kernel = section.positive("kernel"),
           .lifted_weight = section.number("lifted_weight", 0.0, 1.0)};
 }

@@ -16,11 +16,11 @@ namespace fleetloc {
 class RigidAlignment {
  public:
   struct Config {
-    int iterations;           ///< of each start
-    int max_landmarks;        ///< evenly out of those there are
-    double start_deviations;  ///< distance of the starts from the prior, in its deviations
-    double kernel;            ///< Cauchy, in standard deviations
-    double lifted_weight;     ///< of landmarks before level ground, as snow lifts it
+    int iterations;        ///< of each start
+    int max_landmarks;     ///< evenly out of those there are
+    double start_sigmas;   ///< distance of the starts from the prior, in its sigmas
+    double kernel;         ///< Cauchy, in standard sigmas
+    double lifted_weight;  ///< of landmarks before level ground, as snow lifts it
   };
   struct Gates {
     double first_m;

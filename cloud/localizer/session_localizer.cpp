@@ -26,7 +26,7 @@ Matrix6d diagonal(double rotation, double translation) {
 
 std::optional<PoseAnchor> anchor_at_start(const RobotSession& session) {
   if (!session.start) return std::nullopt;
-  const StartPose& start = *session.start;
+  const MapOdomEstimate& start = *session.start;
   Pose T_odom_known;
   T_odom_known.p = start.p_odom;
   const Matrix6d A = adjoint(inverse(T_odom_known));
@@ -78,7 +78,7 @@ void SessionLocalizer::measure_path() {
   path_.erase(path_.begin(), path_.lower_bound(horizon));
 }
 
-Answer SessionLocalizer::localize() {
+LocalizationResult SessionLocalizer::localize() {
   assert(!database_.empty());
   diagnostics_ = {};
   system_.reset();
@@ -86,7 +86,7 @@ Answer SessionLocalizer::localize() {
   const std::vector<KeyframeId> window = database_.window();
   diagnostics_.keyframes = static_cast<int>(window.size());
 
-  Answer answer;
+  LocalizationResult answer;
   answer.keyframe = newest.id;
   answer.revision = newest.revision;
   answer.stamp = newest.stamp;
@@ -99,9 +99,10 @@ Answer SessionLocalizer::localize() {
   }
 
   store(result);
-  const auto& honesty = config_.honesty;
+  const auto& covariance_inflation = config_.covariance_inflation;
   answer.T_map_body = result.T_map_body;
-  answer.covariance = result.covariance + diagonal(honesty.floor_rad, honesty.floor_m);
+  answer.covariance =
+      result.covariance + diagonal(covariance_inflation.floor_rad, covariance_inflation.floor_m);
   answer.T_map_odom = result.T_map_body * inverse(newest.T_odom_body);
   return answer;
 }
@@ -120,23 +121,24 @@ LocalizationStatus SessionLocalizer::localize_window(const std::vector<KeyframeI
                                                      PoseBelief& result) {
   using enum LocalizationStatus;
   if (!anchor_) return kNoStartPose;
-  if (diagnostics_.keyframes < config_.acceptance.least_keyframes) return kTooFewKeyframes;
+  if (diagnostics_.keyframes < config_.acceptance.min_keyframes) return kTooFewKeyframes;
   const Pose T_map_odom = anchor_->belief.T_map_body * inverse(anchor_->T_odom_body);
   problem_.synchronize(database_, database_.placed(window, T_map_odom));
   nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
   diagnostics_.observations = problem_.observations();
 
-  const Hold hold = hold_of(window);
-  diagnostics_.gate_m = gate_for(hold.belief);
-  if (diagnostics_.gate_m > config_.rounds.tracking_gate_m) align(hold);
-  if (const auto status = optimize(hold); status != kLocalized) return status;
+  const PosePrior pose_prior = pose_prior_of(window);
+  diagnostics_.gate_m = gate_for(pose_prior.belief);
+  if (diagnostics_.gate_m > config_.rounds.tracking_gate_m) align(pose_prior);
+  if (const auto status = optimize(pose_prior); status != kLocalized) return status;
   measure_fit();
-  return check_result(hold, result);
+  return check_result(pose_prior, result);
 }
 
 // Before the first localization, and after the localized keyframe has left the window, the prior
 // is carried to the window's oldest keyframe.
-SessionLocalizer::Hold SessionLocalizer::hold_of(const std::vector<KeyframeId>& window) const {
+SessionLocalizer::PosePrior SessionLocalizer::pose_prior_of(
+    const std::vector<KeyframeId>& window) const {
   if (anchor_->keyframe && std::ranges::binary_search(window, *anchor_->keyframe)) {
     return {*anchor_->keyframe, anchor_->belief};
   }
@@ -150,9 +152,9 @@ PoseBelief SessionLocalizer::predicted(KeyframeId keyframe) const {
 }
 
 // Wherever the robot is, it is within reach in the end.
-double SessionLocalizer::reach() const {
+double SessionLocalizer::innovation_gate() const {
   const auto& limits = config_.acceptance;
-  return limits.reach_deviations * (1.0 + limits.reach_growth * refused_in_a_row_);
+  return limits.innovation_gate_sigmas * (1.0 + limits.innovation_gate_growth * refused_in_a_row_);
 }
 
 // How far the landmarks may be from where they seem to be.
@@ -165,31 +167,31 @@ double SessionLocalizer::gate_for(const PoseBelief& belief) const {
                         greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
   const double shifted = greatest_sigma(belief.covariance.bottomRightCorner<3, 3>());
   const auto& rounds = config_.rounds;
-  return std::clamp(rounds.gate_deviations * std::hypot(turned, shifted),
+  return std::clamp(rounds.gate_sigmas * std::hypot(turned, shifted),
                     rounds.tracking_gate_m,
                     rounds.widest_gate_m);
 }
 
-void SessionLocalizer::align(const Hold& hold) {
+void SessionLocalizer::align(const PosePrior& pose_prior) {
   const RigidAlignment::Gates gates{diagnostics_.gate_m, config_.rounds.final_gate_m};
-  const PoseBelief prior{problem_.pose(hold.keyframe), hold.belief.covariance};
+  const PoseBelief prior{problem_.pose(pose_prior.keyframe), pose_prior.belief.covariance};
   std::optional<Pose> guess;
   if (start_.last_place()) {
-    const Pose& T_odom_body = database_.keyframe(hold.keyframe).item.T_odom_body;
+    const Pose& T_odom_body = database_.keyframe(pose_prior.keyframe).item.T_odom_body;
     guess = *start_.last_place() * T_odom_body * inverse(prior.T_map_body);
   }
   problem_.move(alignment_.align(problem_.landmarks(), prior, gates, guess));
   diagnostics_.aligned = true;
 }
 
-LocalizationStatus SessionLocalizer::optimize(const Hold& hold) {
+LocalizationStatus SessionLocalizer::optimize(const PosePrior& pose_prior) {
   using enum LocalizationStatus;
   const auto& rounds = config_.rounds;
   const KeyframeId newest = database_.newest().item.id;
   double gate_m = rounds.tracking_gate_m;
-  for (int round = 0; round < rounds.most; ++round) {
+  for (int round = 0; round < rounds.max_rounds; ++round) {
     const Pose before = problem_.pose(newest);
-    if (const auto status = run_round(hold, gate_m); status != kLocalized) return status;
+    if (const auto status = run_round(pose_prior, gate_m); status != kLocalized) return status;
     const double moved_m = local_coordinates(before, problem_.pose(newest)).norm();
     const bool is_final = gate_m <= rounds.final_gate_m;
     if (is_final && moved_m < rounds.settled_m) break;
@@ -198,15 +200,15 @@ LocalizationStatus SessionLocalizer::optimize(const Hold& hold) {
   return kLocalized;
 }
 
-LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) {
+LocalizationStatus SessionLocalizer::run_round(const PosePrior& pose_prior, double gate_m) {
   using enum LocalizationStatus;
   const std::vector<WindowLandmark> landmarks = problem_.landmarks();
   association_ = associate(landmarks, *map_, gate_m, config_.association, nearest_);
   diagnostics_.landmarks = static_cast<int>(landmarks.size());
   diagnostics_.eligible = association_.eligible;
   diagnostics_.covered = association_.covered;
-  diagnostics_.hidden = association_.hidden;
-  diagnostics_.buried = association_.buried;
+  diagnostics_.occluded = association_.occluded;
+  diagnostics_.below_ground = association_.below_ground;
   diagnostics_.level = association_.level;
   diagnostics_.matches = static_cast<int>(association_.matches.size());
   diagnostics_.planar_matches =
@@ -216,7 +218,7 @@ LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) 
   constraint_ = analyze_map_constraint(association_.matches, config_.degeneracy);
   diagnostics_.weak_directions = static_cast<int>(constraint_.weak.cols());
   diagnostics_.map_sigmas_m = constraint_.sigmas_m;
-  set_prior(hold);
+  set_prior(pose_prior);
   problem_.set_matches(association_.matches);
   const WindowProblem::Solved solved = problem_.solve(config_.rounds.iterations);
   ++diagnostics_.rounds;
@@ -227,16 +229,16 @@ LocalizationStatus SessionLocalizer::run_round(const Hold& hold, double gate_m) 
 
 // The start pose counts in every direction, until there is a solution that includes it; a pose
 // found before only where the map does not tell.
-void SessionLocalizer::set_prior(const Hold& hold) {
+void SessionLocalizer::set_prior(const PosePrior& pose_prior) {
   problem_.clear_prior();
-  const double least_sigma_m = config_.honesty.least_prior_sigma_m;
+  const double min_sigma_m = config_.covariance_inflation.min_prior_sigma_m;
   if (!anchor_->keyframe) {
-    const Matrix6d information = hold.belief.covariance.inverse();
-    problem_.set_prior(hold.keyframe, hold.belief.T_map_body, information);
+    const Matrix6d information = pose_prior.belief.covariance.inverse();
+    problem_.set_prior(pose_prior.keyframe, pose_prior.belief.T_map_body, information);
   } else if (constraint_.weak.cols() > 0) {
     const Matrix6d information =
-        information_along(constraint_.weak, constraint_.motion, hold.belief, least_sigma_m);
-    problem_.set_prior(hold.keyframe, hold.belief.T_map_body, information);
+        information_along(constraint_.weak, constraint_.motion, pose_prior.belief, min_sigma_m);
+    problem_.set_prior(pose_prior.keyframe, pose_prior.belief.T_map_body, information);
   }
 }
 
@@ -252,7 +254,7 @@ void SessionLocalizer::measure_fit() {
   diagnostics_.median_residual = percentile(std::move(residuals), 0.5).value_or(0.0);
 }
 
-LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& result) {
+LocalizationStatus SessionLocalizer::check_result(const PosePrior& pose_prior, PoseBelief& result) {
   using enum LocalizationStatus;
   const auto& limits = config_.acceptance;
   const SubmapKeyframe& newest = database_.newest().item;
@@ -262,10 +264,10 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   if (is_under_ground()) return kPoorFit;
 
   PoseBelief expected = predicted(newest.id);
-  expected.covariance += diagonal(limits.reach_floor_rad, limits.reach_floor_m);
+  expected.covariance += diagonal(limits.innovation_floor_rad, limits.innovation_floor_m);
   const Vector6d moved = local_coordinates(expected.T_map_body, result.T_map_body);
-  diagnostics_.moved_deviations = std::sqrt(moved.dot(expected.covariance.ldlt().solve(moved)));
-  if (!(diagnostics_.moved_deviations <= reach())) {
+  diagnostics_.moved_sigmas = std::sqrt(moved.dot(expected.covariance.ldlt().solve(moved)));
+  if (!(diagnostics_.moved_sigmas <= innovation_gate())) {
     if (anchor_->keyframe) ++refused_in_a_row_;
     return kNotConverged;
   }
@@ -273,24 +275,26 @@ LocalizationStatus SessionLocalizer::check_result(const Hold& hold, PoseBelief& 
   system_ = problem_.system();
   const std::optional<Matrix6d> covariance = system_->covariance_of_newest();
   if (!covariance) return kDegenerate;
-  result.covariance = config_.honesty.scale * config_.honesty.scale * *covariance;
-  if (!add_weak_directions(hold, result)) return kDegenerate;
+  result.covariance =
+      config_.covariance_inflation.scale * config_.covariance_inflation.scale * *covariance;
+  if (!add_weak_directions(pose_prior, result)) return kDegenerate;
   const double travelled_m = path_.at(newest.id).travelled_m;
-  return start_.take(result.T_map_body, newest.T_odom_body, travelled_m, is_sure()) ? kLocalized
-                                                                                    : kUnconfirmed;
+  return start_.take(result.T_map_body, newest.T_odom_body, travelled_m, is_confident())
+             ? kLocalized
+             : kUnconfirmed;
 }
 
 // Along weak directions the answer is as uncertain as the prior grown by the odometry since; false
 // if that is too much.
-bool SessionLocalizer::add_weak_directions(const Hold& hold, PoseBelief& result) const {
+bool SessionLocalizer::add_weak_directions(const PosePrior& pose_prior, PoseBelief& result) const {
   if (constraint_.weak.cols() == 0) return true;
   const KeyframeId newest = database_.newest().item.id;
-  const std::optional<Matrix6d> growth = problem_.covariance_from(hold.keyframe, newest);
+  const std::optional<Matrix6d> growth = problem_.covariance_from(pose_prior.keyframe, newest);
   if (!growth) return false;
-  const Pose step = inverse(problem_.pose(hold.keyframe)) * result.T_map_body;
+  const Pose step = inverse(problem_.pose(pose_prior.keyframe)) * result.T_map_body;
   const Matrix6d A = adjoint(inverse(step));
-  const Matrix6d least = A * hold.belief.covariance * A.transpose() + *growth;
-  result.covariance = widened_along(constraint_.weak, constraint_.motion, result, least);
+  const Matrix6d min_covariance = A * pose_prior.belief.covariance * A.transpose() + *growth;
+  result.covariance = widened_along(constraint_.weak, constraint_.motion, result, min_covariance);
   const Matrix6d J = constraint_.motion.by_body(result.T_map_body).inverse();
   const Eigen::MatrixXd weak = constraint_.weak.transpose() * J;
   const Eigen::MatrixXd covariance = weak * result.covariance * weak.transpose();

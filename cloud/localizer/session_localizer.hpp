@@ -10,14 +10,14 @@
 #include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/map_association.hpp"
 #include "cloud/localizer/map_correction.hpp"
-#include "cloud/localizer/nearest_memory.hpp"
+#include "cloud/localizer/nearest_neighbor_cache.hpp"
 #include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
 #include "cloud/localizer/start_confirmation.hpp"
 #include "cloud/localizer/window_problem.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/model/answer.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
@@ -30,17 +30,17 @@ struct LocalizationDiagnostics {
   int eligible = 0;      ///< landmarks known well enough to be matched
   int covered = 0;       ///< of these, on mapped ground
   int level = 0;         ///< of the matches, on level surfaces
-  int hidden = 0;        ///< of these, seen through a surface of the map
-  int buried = 0;        ///< of these, under level ground
+  int occluded = 0;      ///< of these, seen through a surface of the map
+  int below_ground = 0;  ///< of these, under level ground
   int matches = 0;       ///< of these, in the last round
   int planar_matches = 0;
-  int rounds = 0;                 ///< of association and optimization
-  int iterations = 0;             ///< of all rounds
-  double gate_m = 0.0;            ///< of the first round, or of the alignment before it
-  bool aligned = false;           ///< the window was moved as one body first
-  double cost = 0.0;              ///< E_loc at the end
-  double median_residual = 0.0;   ///< of the matches, in standard deviations
-  double moved_deviations = 0.0;  ///< Mahalanobis distance from what odometry predicted
+  int rounds = 0;                ///< of association and optimization
+  int iterations = 0;            ///< of all rounds
+  double gate_m = 0.0;           ///< of the first round, or of the alignment before it
+  bool aligned = false;          ///< the window was moved as one body first
+  double cost = 0.0;             ///< E_loc at the end
+  double median_residual = 0.0;  ///< of the matches, in standard deviations
+  double moved_sigmas = 0.0;     ///< Mahalanobis distance from what odometry predicted
   int weak_directions = 0;
   Vector6d map_sigmas_m = Vector6d::Zero();  ///< see MapConstraint
 };
@@ -57,36 +57,36 @@ class SessionLocalizer {
     double final_gate_m;
     double tracking_gate_m;  ///< of the first round, once the pose is known
     double widest_gate_m;    ///< of the alignment, however uncertain the prior
-    double gate_deviations;  ///< of the prior, that the first gate spans
+    double gate_sigmas;      ///< of the prior, that the first gate spans
     double shrink;           ///< of the gate from round to round
-    int most;
+    int max_rounds;
     int iterations;    ///< of the solver, in each round
     double settled_m;  ///< a round at the final gate that moves less is the last one
   };
   struct Acceptance {
-    int least_keyframes;
-    int least_matches;
-    double least_covered_share;  ///< of the eligible landmarks
-    double least_agreement;      ///< matched share of the landmarks that are not on the ground
+    int min_keyframes;
+    int min_matches;
+    double min_covered_share;  ///< of the eligible landmarks
+    double min_agreement;      ///< matched share of the landmarks that are not on the ground
     /// Of a first localization that needs no confirmation: the same, at least so many of them, and
     /// the matched share of all landmarks, less the share that is off the map, less twice the
     /// share that would be seen through its surfaces.
-    double sure_agreement;
-    int sure_matches;
-    double sure_balance;
-    double max_buried_share;     ///< of the landmarks on or under level ground
-    double max_median_residual;  ///< of the matches, in standard deviations
-    double reach_deviations;     ///< from what odometry predicts
-    double reach_floor_m;        ///< added to that prediction's deviations
-    double reach_floor_rad;
-    double reach_growth;      ///< of the reach, with each answer in a row refused for it alone
-    double max_weak_sigma_m;  ///< of the answer, along what the map does not hold
+    double confident_agreement;
+    int confident_matches;
+    double confident_balance;
+    double max_below_ground_share;  ///< of the landmarks on or under level ground
+    double max_median_residual;     ///< of the matches, in standard deviations
+    double innovation_gate_sigmas;  ///< from what odometry predicts
+    double innovation_floor_m;      ///< added to that prediction's deviations
+    double innovation_floor_rad;
+    double innovation_gate_growth;  ///< of the gate, with each answer in a row refused for it alone
+    double max_weak_sigma_m;        ///< of the answer, along what the map does not pose_prior
   };
-  struct Honesty {
+  struct CovarianceInflation {
     double scale;    ///< of the standard deviations that the system states
     double floor_m;  ///< added to them: systematic errors of map and stereo pair
     double floor_rad;
-    double least_prior_sigma_m;  ///< of the prior along weak directions
+    double min_prior_sigma_m;  ///< of the prior along weak directions
   };
   struct Config {
     SessionDatabase::Config database;
@@ -98,7 +98,7 @@ class SessionLocalizer {
     Rounds rounds;
     Acceptance acceptance;
     StartConfirmation::Config confirmation;
-    Honesty honesty;
+    CovarianceInflation covariance_inflation;
     CorrectionConfig corrections;
   };
 
@@ -109,13 +109,13 @@ class SessionLocalizer {
   void add(const Submap& submap);
 
   /// Localizes the newest keyframe; at least one submap must have been added. Robot, session,
-  /// localizer, epoch, acknowledgements and holding time of the answer are the caller's. A
+  /// localizer, incarnation, acknowledgements and holding time of the answer are the caller's. A
   /// rejection leaves the stored solution as it was.
-  Answer localize();
+  LocalizationResult localize();
 
   /// What the map has added to the robot's own knowledge of its latest keyframes. Nothing unless
   /// localize() has just localized, or if the map added nothing. Robot, session, localizer and
-  /// epoch are the caller's.
+  /// incarnation are the caller's.
   [[nodiscard]] std::optional<Correction> correction() const;
 
   /// The window behind the last answer; nothing unless localize() has just localized.
@@ -128,7 +128,7 @@ class SessionLocalizer {
 
  private:
   // Where the prior holds the window.
-  struct Hold {
+  struct PosePrior {
     KeyframeId keyframe{};
     PoseBelief belief;
   };
@@ -140,20 +140,20 @@ class SessionLocalizer {
 
   void measure_path();
   LocalizationStatus localize_window(const std::vector<KeyframeId>& window, PoseBelief& result);
-  [[nodiscard]] Hold hold_of(const std::vector<KeyframeId>& window) const;
-  void align(const Hold& hold);
-  LocalizationStatus optimize(const Hold& hold);
-  LocalizationStatus run_round(const Hold& hold, double gate_m);
-  void set_prior(const Hold& hold);
+  [[nodiscard]] PosePrior pose_prior_of(const std::vector<KeyframeId>& window) const;
+  void align(const PosePrior& pose_prior);
+  LocalizationStatus optimize(const PosePrior& pose_prior);
+  LocalizationStatus run_round(const PosePrior& pose_prior, double gate_m);
+  void set_prior(const PosePrior& pose_prior);
   [[nodiscard]] double gate_for(const PoseBelief& belief) const;
   void measure_fit();
   [[nodiscard]] LocalizationStatus check_matches() const;
   [[nodiscard]] bool is_under_ground() const;
-  [[nodiscard]] bool is_sure() const;
-  LocalizationStatus check_result(const Hold& hold, PoseBelief& result);
-  [[nodiscard]] double reach() const;
+  [[nodiscard]] bool is_confident() const;
+  LocalizationStatus check_result(const PosePrior& pose_prior, PoseBelief& result);
+  [[nodiscard]] double innovation_gate() const;
   [[nodiscard]] PoseBelief predicted(KeyframeId keyframe) const;
-  bool add_weak_directions(const Hold& hold, PoseBelief& result) const;
+  bool add_weak_directions(const PosePrior& pose_prior, PoseBelief& result) const;
   void store(const PoseBelief& result);
 
   std::shared_ptr<const LaserMap> map_;
@@ -161,12 +161,12 @@ class SessionLocalizer {
   SessionDatabase database_;
   WindowProblem problem_;
   RigidAlignment alignment_;
-  NearestMemory nearest_;
+  NearestNeighborCache nearest_;
   StartConfirmation start_;
   std::optional<PoseAnchor> anchor_;      // none: there is no start pose
   const Eigen::Vector3d begin_odom_;      // of the path: where the start pose was known
   std::map<KeyframeId, PathPoint> path_;  // of the odometry, at the stored keyframes
-  int refused_in_a_row_ = 0;              // for the reach alone
+  int refused_in_a_row_ = 0;              // for the innovation gate alone
   Association association_;               // of the last round
   MapConstraint constraint_;              // of the last round
   std::optional<WindowSystem> system_;    // of the last localization, if it succeeded

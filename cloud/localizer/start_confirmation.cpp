@@ -5,13 +5,13 @@ namespace fleetloc {
 bool StartConfirmation::take(const Pose& T_map_body,
                              const Pose& T_odom_body,
                              double travelled_m,
-                             bool is_sure) {
+                             bool is_confident) {
   if (confirmed_) return true;
   const bool stays =
       place_ && ((place_->T_map_odom * T_odom_body).p - T_map_body.p).norm() <= config_.tolerance_m;
   last_T_map_odom_ = T_map_body * inverse(T_odom_body);
   if (!stays) place_ = {*last_T_map_odom_, travelled_m};
-  confirmed_ = is_sure || travelled_m - place_->travelled_m >= config_.path_m;
+  confirmed_ = is_confident || travelled_m - place_->travelled_m >= config_.path_m;
   if (confirmed_) last_T_map_odom_.reset();
   return confirmed_;
 }

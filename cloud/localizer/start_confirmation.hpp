@@ -21,9 +21,9 @@ class StartConfirmation {
 
   /// Takes the session's next solution, in the order of its keyframes.
   /// @param travelled_m  by the odometry until then
-  /// @param is_sure      the solution speaks for itself
+  /// @param is_confident      the solution speaks for itself
   /// @return whether this solution and those that follow count
-  bool take(const Pose& T_map_body, const Pose& T_odom_body, double travelled_m, bool is_sure);
+  bool take(const Pose& T_map_body, const Pose& T_odom_body, double travelled_m, bool is_confident);
 
   /// T_map_odom by the last solution, until the session is confirmed.
   [[nodiscard]] const std::optional<Pose>& last_place() const { return last_T_map_odom_; }

@@ -205,7 +205,7 @@ WindowProblem::Config read_window_problem_config(ConfigReader section) {
           .use_tilt = section.get<bool>("use_tilt"),
           .map_tilt_sigma_rad = section.positive("map_tilt_sigma_rad"),
           .max_landmarks = section.integer("max_landmarks", 100, 100000),
-          .least_decrease = section.positive("least_decrease")};
+          .min_decrease = section.positive("min_decrease")};
 }
 
 }  // namespace fleetloc

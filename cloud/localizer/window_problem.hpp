@@ -37,7 +37,7 @@ class WindowProblem {
     bool use_tilt;               ///< roll and pitch of the oldest keyframe
     double map_tilt_sigma_rad;   ///< of the map's z axis against gravity
     int max_landmarks;           ///< those beyond it are left out
-    double least_decrease;  ///< a step that lowers the cost by a smaller share of it is the last
+    double min_decrease;  ///< a step that lowers the cost by a smaller share of it is the last
   };
 
   struct Solved {

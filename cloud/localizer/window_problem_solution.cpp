@@ -8,8 +8,8 @@
 #include "cloud/localizer/window_problem.hpp"
 #include "shared/factors/normal_equations.hpp"
 #include "shared/factors/point_factors.hpp"
+#include "shared/factors/relative_decrease_termination.hpp"
 #include "shared/factors/relative_pose_factor.hpp"
-#include "shared/factors/small_step.hpp"
 
 namespace fleetloc {
 namespace {
@@ -87,8 +87,8 @@ WindowProblem::Solved WindowProblem::solve(int max_iterations) {
   for (const auto& [id, node] : keyframes_) {
     options.linear_solver_ordering->AddElementToGroup(node.pose, 1);
   }
-  EndsWithSmallStep ends_with_small_step(config_.least_decrease);
-  options.callbacks.push_back(&ends_with_small_step);
+  RelativeDecreaseTermination termination(config_.min_decrease);
+  options.callbacks.push_back(&termination);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);
   return {.is_usable = summary.IsSolutionUsable(),

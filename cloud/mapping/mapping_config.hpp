@@ -11,25 +11,25 @@ namespace fleetloc {
 struct EvidenceConfig {
   double cell_m = 0.0;            ///< edge; what is in a cell stays or goes together
   int scan_stride = 1;            ///< the rays of every so many scans look through cells
-  double least_margin_m = 0.0;    ///< a ray shows as free what is this far before its end, ...
+  double min_margin_m = 0.0;      ///< a ray shows as free what is this far before its end, ...
   double surface_margin_m = 0.0;  ///< ... and this far off the surface that it hit
-  double least_cosine = 0.0;      ///< of ray and normal; more grazing rays tell nothing of a sheet
+  double min_cosine = 0.0;        ///< of ray and normal; more grazing rays tell nothing of a sheet
   /// Of a ray from the middle of what it looks through, in standard deviations of its points.
-  double most_sigmas_off_sheet = 0.0;
-  double most_sigmas_off_stake = 0.0;
-  int least_looks = 1;           ///< scans that looked through, for a session to say so
-  double least_hit_share = 0.0;  ///< of all looks; a session with fewer hits contradicts
-  double least_agreement = 0.0;  ///< share of the sessions that looked at a kept cell
-  int least_sessions = 1;        ///< that have seen a kept cell
+  double max_sigmas_off_sheet = 0.0;
+  double max_sigmas_off_stake = 0.0;
+  int min_looks = 1;           ///< scans that looked through, for a session to say so
+  double min_hit_share = 0.0;  ///< of all looks; a session with fewer hits contradicts
+  double min_agreement = 0.0;  ///< share of the sessions that looked at a kept cell
+  int min_sessions = 1;        ///< that have seen a kept cell
 };
 
 /// How scans become points of a map.
 struct MappingConfig {
-  double voxel_m = 0.0;         ///< edge; each voxel becomes the mean of its points
-  std::size_t most_voxels = 0;  ///< beyond, the edge doubles
-  double least_range_m = 0.0;   ///< nearer points are left out, ...
-  double most_range_m = 0.0;    ///< ... and farther ones
-  Duration max_gap{};           ///< between poses
+  double voxel_m = 0.0;        ///< edge; each voxel becomes the mean of its points
+  std::size_t max_voxels = 0;  ///< beyond, the edge doubles
+  double min_range_m = 0.0;    ///< nearer points are left out, ...
+  double max_range_m = 0.0;    ///< ... and farther ones
+  Duration max_gap{};          ///< between poses
   EvidenceConfig evidence;
 };
 

@@ -40,9 +40,9 @@ void add_points(const std::vector<Sighting>& sightings,
   counts.points += sightings.size();
   for (const Sighting& sighting : sightings) {
     const double range_m = (sighting.p_map - sighting.from_map).norm();
-    if (range_m < config.least_range_m) {
+    if (range_m < config.min_range_m) {
       ++counts.too_near;
-    } else if (range_m > config.most_range_m) {
+    } else if (range_m > config.max_range_m) {
       ++counts.too_far;
     } else {
       cloud.add(sighting.p_map);
@@ -88,7 +88,7 @@ MergedSessions merge_sessions(const std::vector<SurveySession>& sessions,
                               const MergeProgress& progress) {
   MergedSessions merged;
   {
-    VoxelCloud cloud(config.voxel_m, config.most_voxels);
+    VoxelCloud cloud(config.voxel_m, config.max_voxels);
     PassProgress pass("points", sessions, progress);
     for (const SurveySession& session : sessions) {
       merged.report.sessions.push_back(add_session(session, config, cloud, pass));

@@ -25,17 +25,17 @@ bool passes_through(const FreeWay& way, const SurfaceCell& cell, const EvidenceC
   if (cell.kind == SurfaceCell::Kind::kUnknown) return false;
   const Eigen::Vector3d to_cell = cell.p_map.cast<double>() - way.from_map;
   double along_m = to_cell.dot(way.direction);
-  double most_sigmas = config.most_sigmas_off_stake;
+  double max_sigmas = config.max_sigmas_off_stake;
   if (cell.kind == SurfaceCell::Kind::kSheet) {
     const Eigen::Vector3d normal = cell.normal.cast<double>();
     const double cosine = normal.dot(way.direction);
-    if (std::abs(cosine) < config.least_cosine) return false;
+    if (std::abs(cosine) < config.min_cosine) return false;
     along_m = normal.dot(to_cell) / cosine;
-    most_sigmas = config.most_sigmas_off_sheet;
+    max_sigmas = config.max_sigmas_off_sheet;
   }
   if (along_m < 0.0 || along_m > way.length_m) return false;
   const Eigen::Vector3f off = (along_m * way.direction - to_cell).cast<float>();
-  return static_cast<double>(off.dot(cell.information * off)) <= most_sigmas * most_sigmas;
+  return static_cast<double>(off.dot(cell.information * off)) <= max_sigmas * max_sigmas;
 }
 
 }  // namespace
@@ -73,16 +73,16 @@ void RayEvidence::look_through(const Sighting& sighting) {
 }
 
 double RayEvidence::margin_m(const Sighting& sighting) const {
-  constexpr double kLeastCosine = 0.02;
-  double cosine = config_.least_cosine;  // where the surface is not known
+  constexpr double kMinCosine = 0.02;
+  double cosine = config_.min_cosine;  // where the surface is not known
   if (const auto hit = grid_->find(sighting.p_map)) {
     const SurfaceCell& cell = grid_->cell(*hit);
     if (cell.kind == SurfaceCell::Kind::kSheet) {
       const Eigen::Vector3d ray = (sighting.p_map - sighting.from_map).normalized();
-      cosine = std::max(kLeastCosine, std::abs(cell.normal.cast<double>().dot(ray)));
+      cosine = std::max(kMinCosine, std::abs(cell.normal.cast<double>().dot(ray)));
     }
   }
-  return config_.least_margin_m + config_.surface_margin_m / cosine;
+  return config_.min_margin_m + config_.surface_margin_m / cosine;
 }
 
 void RayEvidence::end_session() {
@@ -92,7 +92,7 @@ void RayEvidence::end_session() {
     const double hits = looks.hits;
     const double all = hits + static_cast<double>(looks.throughs) * config_.scan_stride;
     const bool contradicts =
-        looks.throughs >= config_.least_looks && hits < config_.least_hit_share * all;
+        looks.throughs >= config_.min_looks && hits < config_.min_hit_share * all;
     if (contradicts) {
       count_up(sessions_[i].contradicting);
     } else if (hits > 0.0) {
@@ -105,8 +105,8 @@ void RayEvidence::end_session() {
 Verdict RayEvidence::verdict(std::size_t cell) const {
   const Sessions& sessions = sessions_[cell];
   const int looked = sessions.confirming + sessions.contradicting;
-  if (sessions.confirming < config_.least_agreement * looked) return Verdict::kSeenThrough;
-  if (sessions.confirming < config_.least_sessions) return Verdict::kUnconfirmed;
+  if (sessions.confirming < config_.min_agreement * looked) return Verdict::kSeenThrough;
+  if (sessions.confirming < config_.min_sessions) return Verdict::kUnconfirmed;
   return Verdict::kKept;
 }
 

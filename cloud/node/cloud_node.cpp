@@ -24,11 +24,11 @@ Timestamp steady_now() {
 
 // Later starts have higher numbers, whatever happened to the earlier ones: tenths of a second since
 // 2025, up to 2038.
-Epoch epoch_of_this_start() {
+Incarnation incarnation_of_this_start() {
   constexpr std::chrono::sys_days kBegin = std::chrono::year(2025) / 1 / 1;
   using Tenths = std::chrono::duration<std::int64_t, std::deci>;
   const auto since = std::chrono::system_clock::now() - kBegin;
-  return Epoch{static_cast<std::uint32_t>(std::chrono::duration_cast<Tenths>(since).count())};
+  return Incarnation{static_cast<std::uint32_t>(std::chrono::duration_cast<Tenths>(since).count())};
 }
 
 DdsChannel::Config channel_config(const CloudNodeOptions& options) {
@@ -53,7 +53,7 @@ CloudNode::CloudNode(const CloudNodeOptions& options, const LocalizerPool::Confi
     : options_(options),
       map_(std::make_shared<const LaserMap>(load_map(options.map))),
       channel_(channel_config(options)),
-      pool_(options.name, epoch_of_this_start(), map_, config) {
+      pool_(options.name, incarnation_of_this_start(), map_, config) {
   options_.out = created(options.out);
 }
 

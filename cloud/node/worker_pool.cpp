@@ -16,7 +16,7 @@ WorkerPool::WorkerPool(int threads)
 void WorkerPool::work(const std::stop_token& stop) {
   while (auto job = jobs_.pop(stop)) {
     const Duration begin = thread_cpu_time();
-    Answer answer = LocalizerPool::run(*job);
+    LocalizationResult answer = LocalizerPool::run(*job);
     finished_.push({std::move(*job), std::move(answer), thread_cpu_time() - begin});
   }
 }

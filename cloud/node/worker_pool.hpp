@@ -15,7 +15,7 @@ class WorkerPool {
  public:
   struct Finished {
     LocalizerPool::Job job;
-    Answer answer;
+    LocalizationResult answer;
     Duration cpu{};
   };
 

@@ -35,9 +35,9 @@ std::size_t slot_of(std::uint64_t key, std::size_t slots) {
 
 }  // namespace
 
-VoxelCloud::VoxelCloud(double edge_m, std::size_t most_voxels)
-    : edge_m_(edge_m), most_voxels_(most_voxels), slots_(kFirstSlots) {
-  assert(edge_m > 0.0 && most_voxels >= 8);
+VoxelCloud::VoxelCloud(double edge_m, std::size_t max_voxels)
+    : edge_m_(edge_m), max_voxels_(max_voxels), slots_(kFirstSlots) {
+  assert(edge_m > 0.0 && max_voxels >= 8);
 }
 
 void VoxelCloud::add(const Eigen::Vector3d& p) {
@@ -46,7 +46,7 @@ void VoxelCloud::add(const Eigen::Vector3d& p) {
   const Eigen::Vector3d corner = place.array().floor();
   const Eigen::Vector3d within = p - edge_m_ * corner;
   insert(key_of(corner.cast<std::int64_t>()), within.cast<float>(), 1);
-  while (size_ > most_voxels_) coarsen();
+  while (size_ > max_voxels_) coarsen();
 }
 
 void VoxelCloud::insert(std::uint64_t key, const Eigen::Vector3f& sum, std::uint32_t count) {

@@ -9,13 +9,13 @@
 namespace fleetloc {
 
 /// Thins a stream of points: one point per voxel, the mean of what fell into it. Memory is bounded:
-/// where there would be more than `most_voxels`, the edge of all voxels is doubled and neighbours
+/// where there would be more than `max_voxels`, the edge of all voxels is doubled and neighbours
 /// are merged. The result depends on the points and their order alone.
 class VoxelCloud {
  public:
   /// @param edge_m       positive
-  /// @param most_voxels  at least 8; 40 bytes each, at most
-  VoxelCloud(double edge_m, std::size_t most_voxels);
+  /// @param max_voxels  at least 8; 40 bytes each, at most
+  VoxelCloud(double edge_m, std::size_t max_voxels);
 
   /// Points farther than 2^20 voxels from the origin, or not finite, are left out.
   void add(const Eigen::Vector3d& p);
@@ -37,7 +37,7 @@ class VoxelCloud {
   void coarsen();
 
   double edge_m_;
-  std::size_t most_voxels_;
+  std::size_t max_voxels_;
   std::size_t size_ = 0;
   std::vector<Voxel> slots_;  ///< a power of two; open addressing
 };

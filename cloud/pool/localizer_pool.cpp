@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -12,9 +12,9 @@
 namespace fleetloc {
 namespace {
 
-constexpr Duration kLeastJob = std::chrono::milliseconds(1);  // so that turns are taken in any case
+constexpr Duration kMinJob = std::chrono::milliseconds(1);  // so that turns are taken in any case
 
-bool is_same(const std::optional<StartPose>& a, const std::optional<StartPose>& b) {
+bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdomEstimate>& b) {
   if (!a || !b) return !a && !b;
   return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
          a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance &&
@@ -24,11 +24,11 @@ bool is_same(const std::optional<StartPose>& a, const std::optional<StartPose>& 
 }  // namespace
 
 LocalizerPool::LocalizerPool(std::string name,
-                             Epoch epoch,
+                             Incarnation incarnation,
                              std::shared_ptr<const LaserMap> map,
                              const Config& config)
     : name_(std::move(name)),
-      epoch_(epoch),
+      incarnation_(incarnation),
       map_(std::move(map)),
       config_(config),
       register_(config.sessions) {}
@@ -49,10 +49,10 @@ void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
   auto& session = std::get<RobotSession>(decoded);
   const SessionVerdict verdict = register_.announced(session, now);
   if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    return refuse_loser(session.robot, verdict, now);
+    return refuse_superseded(session.robot, verdict, now);
   }
   if (session.localizer != name_) return end(session.robot, "went to " + session.localizer);
-  if (session.epoch != epoch_) return refuse(session.robot, "other_epoch");
+  if (session.incarnation != incarnation_) return refuse(session.robot, "other_incarnation");
   open(std::move(session), now);
 }
 
@@ -61,9 +61,10 @@ void LocalizerPool::open(RobotSession session, Timestamp now) {
   auto known = robots_.find(id);
   if (known == robots_.end()) {
     if (robots_.size() >= config_.max_sessions) return refuse(id, "too_many_sessions");
-    known = robots_.emplace(id, Robot(config_.repetition)).first;
-    if (const auto former = former_.extract(id)) known->second.report = former.mapped().report;
-    strangers_.erase(id);
+    known = robots_.emplace(id, Robot(config_.retransmission)).first;
+    if (const auto departed_robot = departed_robots_.extract(id))
+      known->second.report = departed_robot.mapped().report;
+    unknown_robots_.erase(id);
   }
   Robot& robot = known->second;
   robot.heard = now;
@@ -104,11 +105,11 @@ void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
   auto& submap = std::get<Submap>(decoded);
   const SessionVerdict verdict = register_.submap(submap.robot, submap.session, now);
   if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    return refuse_loser(submap.robot, verdict, now);
+    return refuse_superseded(submap.robot, verdict, now);
   }
   const auto found = robots_.find(submap.robot);
   if (found == robots_.end() || found->second.session->session != submap.session ||
-      submap.epoch != epoch_) {
+      submap.incarnation != incarnation_) {
     return request_session(submap, now);
   }
   found->second.heard = now;
@@ -147,7 +148,7 @@ void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
     found->second.heard = now;
     found->second.report.status = status;
   } else if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    refuse_loser(status.robot, verdict, now);
+    refuse_superseded(status.robot, verdict, now);
   }
 }
 
@@ -187,16 +188,16 @@ void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) const {
 }
 
 // Whatever one robot's submaps bring about, the others are served.
-Answer LocalizerPool::run(Job& job) {
+LocalizationResult LocalizerPool::run(Job& job) {
   try {
     for (const Submap& submap : job.submaps) job.session->add(submap);
-    Answer answer = job.session->localize();
+    LocalizationResult answer = job.session->localize();
     job.correction = job.session->correction();
     return answer;
   } catch (const std::exception& error) {
     job.error = error.what();
     const SubmapKeyframe& newest = job.submaps.back().keyframes.back();
-    Answer answer;
+    LocalizationResult answer;
     answer.status = LocalizationStatus::kNotConverged;
     answer.keyframe = newest.id;
     answer.revision = newest.revision;
@@ -205,13 +206,16 @@ Answer LocalizerPool::run(Job& job) {
   }
 }
 
-void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Timestamp now) {
+void LocalizerPool::finish(const Job& job,
+                           LocalizationResult answer,
+                           double optimize_ms,
+                           Timestamp now) {
   const auto found = robots_.find(job.robot);
   if (found == robots_.end()) return;
   Robot& robot = found->second;
   if (robot.running == job.session) {
     robot.running.reset();
-    robot.used += std::max(kLeastJob, now - job.started);
+    robot.used += std::max(kMinJob, now - job.started);
   }
   if (robot.localizer != job.session) return;  // the session was replaced meanwhile
   SessionReport& report = robot.report;
@@ -234,7 +238,7 @@ void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Ti
   answer.robot = job.robot;
   answer.session = robot.session->session;
   answer.localizer = name_;
-  answer.epoch = epoch_;
+  answer.incarnation = incarnation_;
   answer.map_hash = map_->info().hash;
   answer.holding_time = now - job.received;
   robot.correction = job.correction;
@@ -242,7 +246,7 @@ void LocalizerPool::finish(const Job& job, Answer answer, double optimize_ms, Ti
     robot.correction->robot = answer.robot;
     robot.correction->session = answer.session;
     robot.correction->localizer = answer.localizer;
-    robot.correction->epoch = answer.epoch;
+    robot.correction->incarnation = answer.incarnation;
   }
   robot.answer = std::move(answer);
   robot.unsent = true;
@@ -263,9 +267,9 @@ std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, doub
 void LocalizerPool::add_answers(std::vector<Outgoing>& messages, Timestamp now) {
   for (auto& [id, robot] : robots_) {
     if (!robot.answer) continue;
-    if (!robot.unsent && !robot.repetition.due(now, robot.receiver.loss())) continue;
+    if (!robot.unsent && !robot.retransmission.due(now, robot.receiver.loss())) continue;
     robot.answer->acknowledgements = robot.receiver.acknowledgements();
-    if (robot.unsent) robot.repetition.sent(now);
+    if (robot.unsent) robot.retransmission.sent(now);
     robot.unsent = false;
     try {
       messages.push_back({id, {Topic::kLocalization, encode(*robot.answer)}});
@@ -292,7 +296,7 @@ void LocalizerPool::send_correction(const RobotId& id,
 
 LocalizerStatus LocalizerPool::status(double load) const {
   return {.localizer = name_,
-          .epoch = epoch_,
+          .incarnation = incarnation_,
           .map_hash = map_->info().hash,
           .sessions = static_cast<int>(robots_.size()),
           .load = std::clamp(load, 0.0, 1.0),

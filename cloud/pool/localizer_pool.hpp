@@ -13,7 +13,7 @@
 #include "cloud/pool/session_report.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/session.hpp"
-#include "shared/protocol/repetition.hpp"
+#include "shared/protocol/retransmission_timer.hpp"
 #include "shared/protocol/session_register.hpp"
 #include "shared/protocol/submap_receiver.hpp"
 
@@ -40,7 +40,7 @@ class LocalizerPool {
     double idle_session_s;          ///< after which a session is given up
     double session_request_interval_s;
     double status_interval_s;
-    Repetition::Config repetition;
+    RetransmissionTimer::Config retransmission;
     SessionRegister::Config sessions;
   };
 
@@ -61,7 +61,7 @@ class LocalizerPool {
   };
 
   LocalizerPool(std::string name,
-                Epoch epoch,
+                Incarnation incarnation,
                 std::shared_ptr<const LaserMap> map,
                 const Config& config);
 
@@ -71,10 +71,10 @@ class LocalizerPool {
   std::optional<Job> take_job(Timestamp now);
 
   /// Does the work of a job. Static, since it may run beside everything else.
-  static Answer run(Job& job);
+  static LocalizationResult run(Job& job);
 
   /// Takes the result over. `optimize_ms` is only reported.
-  void finish(const Job& job, Answer answer, double optimize_ms, Timestamp now);
+  void finish(const Job& job, LocalizationResult answer, double optimize_ms, Timestamp now);
 
   /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<Outgoing> outgoing(Timestamp now, double load);
@@ -99,7 +99,7 @@ class LocalizerPool {
     std::size_t bytes{};
   };
   struct Robot {
-    explicit Robot(const Repetition::Config& config) : repetition(config) {}
+    explicit Robot(const RetransmissionTimer::Config& config) : retransmission(config) {}
 
     std::optional<RobotSession> session;
     std::shared_ptr<SessionLocalizer> localizer;
@@ -108,20 +108,21 @@ class LocalizerPool {
     std::deque<Waiting> waiting;
     std::size_t waiting_bytes = 0;
     Timestamp heard;
-    Duration used{};               // virtual time: what it has had of the workers
-    std::optional<Answer> answer;  // the latest, with the acknowledgements when it was made
+    Duration used{};  // virtual time: what it has had of the workers
+    std::optional<LocalizationResult>
+        answer;  // the latest, with the acknowledgements when it was made
     bool unsent = false;
     std::optional<Correction> correction;  // of that answer, until it is sent
-    Repetition repetition;
+    RetransmissionTimer retransmission;
     SessionReport report;
   };
   /// Sends submaps of a session that is not known here.
-  struct Stranger {
+  struct UnknownRobot {
     Timestamp requested;
-    std::optional<Answer> unsent;
+    std::optional<LocalizationResult> unsent;
   };
   /// No longer served.
-  struct Former {
+  struct DepartedRobot {
     Timestamp heard;
     SessionReport report;
   };
@@ -139,7 +140,7 @@ class LocalizerPool {
   void drop_stale_work(Robot& robot, Timestamp now) const;
   static void pop_waiting(Robot& robot);
   void refuse(const RobotId& robot, std::string_view reason);
-  void refuse_loser(const RobotId& robot, SessionVerdict verdict, Timestamp now);
+  void refuse_superseded(const RobotId& robot, SessionVerdict verdict, Timestamp now);
   void note(std::string event);
   void send_correction(const RobotId& id, Robot& robot, std::vector<Outgoing>& messages);
   void add_answers(std::vector<Outgoing>& messages, Timestamp now);
@@ -147,13 +148,13 @@ class LocalizerPool {
   [[nodiscard]] LocalizerStatus status(double load) const;
 
   std::string name_;
-  Epoch epoch_;
+  Incarnation incarnation_;
   std::shared_ptr<const LaserMap> map_;
   Config config_;
   SessionRegister register_;
   std::map<RobotId, Robot> robots_;
-  std::map<RobotId, Stranger> strangers_;
-  std::map<RobotId, Former> former_;
+  std::map<RobotId, UnknownRobot> unknown_robots_;
+  std::map<RobotId, DepartedRobot> departed_robots_;
   std::map<RobotId, Timestamp> conflicts_;  // when last seen
   Duration virtual_time_{};                 // of the robot that was served last
   std::map<std::string, std::uint64_t> unattributed_;

@@ -4,48 +4,49 @@
 
 #include "cloud/pool/localizer_pool.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMostStrangers = 256;
-constexpr std::size_t kMostConflicts = 256;
-constexpr std::size_t kMostEvents = 1000;  // nobody reads them
+constexpr std::size_t kMaxUnknownRobots = 256;
+constexpr std::size_t kMaxConflicts = 256;
+constexpr std::size_t kMaxEvents = 1000;  // nobody reads them
 constexpr double kTidySeconds = 1.0;
-constexpr double kForgetStrangerSeconds = 10.0;
+constexpr double kForgetUnknownRobotSeconds = 10.0;
 constexpr double kConflictOverSeconds = 30.0;  // without a sign of the other robot
 
 }  // namespace
 
 // To the robot's own partition; it knows by the keyframe that it has really sent this submap.
 void LocalizerPool::request_session(const Submap& submap, Timestamp now) {
-  refuse(submap.robot, submap.epoch != epoch_ ? "other_epoch" : "unknown_session");
+  refuse(submap.robot,
+         submap.incarnation != incarnation_ ? "other_incarnation" : "unknown_session");
   if (!robots_.contains(submap.robot) && robots_.size() >= config_.max_sessions) return;
-  const auto known = strangers_.find(submap.robot);
-  if (known == strangers_.end()
-          ? strangers_.size() >= kMostStrangers
+  const auto known = unknown_robots_.find(submap.robot);
+  if (known == unknown_robots_.end()
+          ? unknown_robots_.size() >= kMaxUnknownRobots
           : to_seconds(now - known->second.requested) < config_.session_request_interval_s) {
     return;
   }
-  Answer answer;
+  LocalizationResult answer;
   answer.robot = submap.robot;
   answer.session = submap.session;
   answer.localizer = name_;
-  answer.epoch = epoch_;
+  answer.incarnation = incarnation_;
   answer.status = LocalizationStatus::kNeedFull;
   answer.keyframe = submap.keyframes.back().id;
   answer.revision = submap.keyframes.back().revision;
   answer.stamp = submap.keyframes.back().stamp;
   answer.map_hash = map_->info().hash;
-  strangers_[submap.robot] = {.requested = now, .unsent = std::move(answer)};
+  unknown_robots_[submap.robot] = {.requested = now, .unsent = std::move(answer)};
 }
 
 void LocalizerPool::add_session_requests(std::vector<Outgoing>& messages) {
-  for (auto& [id, stranger] : strangers_) {
-    if (!stranger.unsent) continue;
-    messages.push_back({id, {Topic::kLocalization, encode(*stranger.unsent)}});
-    stranger.unsent.reset();
+  for (auto& [id, unknown_robot] : unknown_robots_) {
+    if (!unknown_robot.unsent) continue;
+    messages.push_back({id, {Topic::kLocalization, encode(*unknown_robot.unsent)}});
+    unknown_robot.unsent.reset();
   }
 }
 
@@ -53,11 +54,12 @@ void LocalizerPool::end(const RobotId& robot, const std::string& why) {
   const auto found = robots_.find(robot);
   if (found == robots_.end()) return;
   note(robot + ": session ended: " + why);
-  if (former_.size() >= config_.max_sessions) {
-    former_.erase(
-        std::ranges::min_element(former_, {}, [](const auto& item) { return item.second.heard; }));
+  if (departed_robots_.size() >= config_.max_sessions) {
+    departed_robots_.erase(std::ranges::min_element(
+        departed_robots_, {}, [](const auto& item) { return item.second.heard; }));
   }
-  former_[robot] = {.heard = found->second.heard, .report = std::move(found->second.report)};
+  departed_robots_[robot] = {.heard = found->second.heard,
+                             .report = std::move(found->second.report)};
   robots_.erase(found);
   departed_.push_back(robot);
 }
@@ -72,8 +74,8 @@ void LocalizerPool::tidy(Timestamp now) {
     }
   }
   for (const RobotId& id : idle) end(id, "nothing was heard of the robot");
-  std::erase_if(strangers_, [&](const auto& item) {
-    const bool is_over = to_seconds(now - item.second.requested) > kForgetStrangerSeconds;
+  std::erase_if(unknown_robots_, [&](const auto& item) {
+    const bool is_over = to_seconds(now - item.second.requested) > kForgetUnknownRobotSeconds;
     if (is_over && !robots_.contains(item.first)) departed_.push_back(item.first);
     return is_over;
   });
@@ -88,17 +90,17 @@ void LocalizerPool::refuse(const RobotId& robot, std::string_view reason) {
   ++counts[std::string(reason)];
 }
 
-void LocalizerPool::refuse_loser(const RobotId& robot, SessionVerdict verdict, Timestamp now) {
+void LocalizerPool::refuse_superseded(const RobotId& robot, SessionVerdict verdict, Timestamp now) {
   refuse(robot, name(verdict));
   if (verdict != SessionVerdict::kConflict) return;
   const bool is_new = !conflicts_.contains(robot);
-  if (is_new && conflicts_.size() >= kMostConflicts) return;
+  if (is_new && conflicts_.size() >= kMaxConflicts) return;
   conflicts_[robot] = now;
   if (is_new) note(robot + ": two robots have this id: the one started first is refused");
 }
 
 void LocalizerPool::note(std::string event) {
-  if (events_.size() < kMostEvents) events_.push_back(std::move(event));
+  if (events_.size() < kMaxEvents) events_.push_back(std::move(event));
 }
 
 std::vector<RobotId> LocalizerPool::take_departed() {
@@ -111,15 +113,15 @@ std::vector<std::string> LocalizerPool::take_events() {
 
 std::map<RobotId, SessionReport> LocalizerPool::reports() const {
   std::map<RobotId, SessionReport> reports;
-  for (const auto& [id, former] : former_) reports[id] = former.report;
+  for (const auto& [id, departed_robot] : departed_robots_) reports[id] = departed_robot.report;
   for (const auto& [id, robot] : robots_) reports[id] = robot.report;
   return reports;
 }
 
 LocalizerPool::Config read_localizer_pool_config(ConfigReader config) {
   ConfigReader pool = config.section("pool");
-  const auto count = [&](const char* key, int most) {
-    return static_cast<std::size_t>(pool.integer(key, 1, most));
+  const auto count = [&](const char* key, int max) {
+    return static_cast<std::size_t>(pool.integer(key, 1, max));
   };
   return {.localizer = read_session_localizer_config(config.section("localizer")),
           .max_sessions = count("max_sessions", 100'000),
@@ -130,7 +132,7 @@ LocalizerPool::Config read_localizer_pool_config(ConfigReader config) {
           .idle_session_s = pool.positive("idle_session_s"),
           .session_request_interval_s = pool.positive("session_request_interval_s"),
           .status_interval_s = pool.positive("status_interval_s"),
-          .repetition = read_repetition_config(pool.section("repetition")),
+          .retransmission = read_retransmission_timer_config(pool.section("retransmission")),
           .sessions = read_session_register_config(pool.section("sessions"))};
 }
 

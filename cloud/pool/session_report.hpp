@@ -11,17 +11,17 @@
 
 namespace fleetloc {
 
-/// The latest values of a series, at most kMost.
+/// The latest values of a series, at most kMax.
 class RecentValues {
  public:
-  static constexpr std::size_t kMost = 1000;
+  static constexpr std::size_t kMax = 1000;
 
   void add(double value) {
-    if (values_.size() < kMost) {
+    if (values_.size() < kMax) {
       values_.push_back(static_cast<float>(value));
     } else {
       values_[next_] = static_cast<float>(value);
-      next_ = (next_ + 1) % kMost;
+      next_ = (next_ + 1) % kMax;
     }
   }
 
@@ -29,7 +29,7 @@ class RecentValues {
 
  private:
   std::vector<float> values_;
-  std::size_t next_ = 0;  // the oldest, once there are kMost
+  std::size_t next_ = 0;  // the oldest, once there are kMax
 };
 
 /// What one robot has had of this localizer; written to sessions.json.

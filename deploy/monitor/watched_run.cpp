@@ -72,14 +72,14 @@ void WatchedRun::add(const Traffic& traffic) {
 }
 
 void WatchedRun::read_error() {
-  constexpr Duration kMostGap = std::chrono::milliseconds(150);
+  constexpr Duration kMaxGap = std::chrono::milliseconds(150);
   const auto lines = poses_.new_lines();
   if (lines.empty()) return;
   std::istringstream stream(lines.back());
   double stamp_s = 0.0;
   Eigen::Vector3d p_map = Eigen::Vector3d::Zero();
   stream >> stamp_s >> p_map.x() >> p_map.y() >> p_map.z();
-  const auto T_map_body = interpolate(truth_, Timestamp(from_seconds(stamp_s)), kMostGap);
+  const auto T_map_body = interpolate(truth_, Timestamp(from_seconds(stamp_s)), kMaxGap);
   view_.error_m = stream && T_map_body ? (T_map_body->p - p_map).norm() : RobotView::kUnknown;
 }
 

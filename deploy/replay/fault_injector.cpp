@@ -63,7 +63,7 @@ void paint(StereoFrame& frame, int gray) {
 }
 
 /// @param last  the frame before, if there was one
-void spoil(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
+void inject_fault(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
   if (kind == FaultKind::kBlackImages) paint(frame, 0);
   if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
   if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
@@ -75,7 +75,7 @@ void spoil(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
 }
 
 /// What a front end would have made of such images.
-void spoil(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
+void inject_fault(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
   const bool blind = kind == FaultKind::kBlackImages || kind == FaultKind::kSaturatedImages ||
                      kind == FaultKind::kMissingLeft;
   if (blind) frame.observations.clear();
@@ -133,7 +133,7 @@ FaultPlan read_fault_plan(ConfigReader config) {
 }
 
 FaultInjector::FaultInjector(DatasetReader reader, FaultPlan plan)
-    : reader_(std::move(reader)), plan_(std::move(plan)), struck_(plan_.faults.size(), 0) {
+    : reader_(std::move(reader)), plan_(std::move(plan)), injected_(plan_.faults.size(), 0) {
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     std::seed_seq seed{static_cast<std::uint32_t>(plan_.seed),
                        static_cast<std::uint32_t>(plan_.seed >> 32U),
@@ -145,7 +145,7 @@ FaultInjector::FaultInjector(DatasetReader reader, FaultPlan plan)
 std::map<std::string, std::uint64_t> FaultInjector::faults() const {
   std::map<std::string, std::uint64_t> faults = reader_.faults();
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
-    faults["injected_" + std::string(name(plan_.faults[i].kind))] += struck_[i];
+    faults["injected_" + std::string(name(plan_.faults[i].kind))] += injected_[i];
   }
   return faults;
 }
@@ -168,13 +168,13 @@ std::optional<DatasetReader::Item> FaultInjector::next() {
   return item;
 }
 
-bool FaultInjector::strikes(std::size_t fault, Timestamp stamp) {
+bool FaultInjector::occurs(std::size_t fault, Timestamp stamp) {
   const Fault& plan = plan_.faults[fault];
   const Duration since = stamp - reader_.recording_start() - from_seconds(plan.start_s);
   if (since < Duration{} || since >= from_seconds(plan.duration_s)) return false;
-  const bool strikes = plan.share >= 1.0 || uniform(random_[fault]) < plan.share;
-  struck_[fault] += strikes ? 1 : 0;
-  return strikes;
+  const bool occurs = plan.share >= 1.0 || uniform(random_[fault]) < plan.share;
+  injected_[fault] += occurs ? 1 : 0;
+  return occurs;
 }
 
 void FaultInjector::take(CameraFrame frame) {
@@ -184,13 +184,13 @@ void FaultInjector::take(CameraFrame frame) {
   bool late = false;
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     const FaultKind kind = plan_.faults[i].kind;
-    if (!is_of_images(kind) || !strikes(i, stamp)) continue;
+    if (!is_of_images(kind) || !occurs(i, stamp)) continue;
     dropped = dropped || kind == FaultKind::kDroppedFrames;
     doubled = doubled || kind == FaultKind::kDoubledFrames;
     late = late || kind == FaultKind::kDisorderedFrames;
     std::visit(
         [&]<typename Frame>(Frame& any) {
-          spoil(any, kind, last_frame_ ? std::get_if<Frame>(&*last_frame_) : nullptr);
+          inject_fault(any, kind, last_frame_ ? std::get_if<Frame>(&*last_frame_) : nullptr);
         },
         frame);
   }
@@ -199,22 +199,22 @@ void FaultInjector::take(CameraFrame frame) {
 }
 
 void FaultInjector::take(const ImuSample& sample) {
-  ImuSample spoiled = sample;
+  ImuSample faulty = sample;
   bool dropped = false;
   bool doubled = false;
   bool late = false;
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     const FaultKind kind = plan_.faults[i].kind;
-    if (is_of_images(kind) || !strikes(i, sample.stamp)) continue;
+    if (is_of_images(kind) || !occurs(i, sample.stamp)) continue;
     dropped = dropped || kind == FaultKind::kImuGap;
     doubled = doubled || kind == FaultKind::kDoubledImu;
     late = late || kind == FaultKind::kDisorderedImu;
     if (kind == FaultKind::kNonFiniteImu) {
-      spoiled.angular_velocity.x() = std::numeric_limits<double>::quiet_NaN();
-      spoiled.specific_force.z() = std::numeric_limits<double>::infinity();
+      faulty.angular_velocity.x() = std::numeric_limits<double>::quiet_NaN();
+      faulty.specific_force.z() = std::numeric_limits<double>::infinity();
     }
   }
-  if (!dropped) deliver(spoiled, late_sample_, doubled, late);
+  if (!dropped) deliver(faulty, late_sample_, doubled, late);
 }
 
 void FaultInjector::deliver(DatasetReader::Item item,

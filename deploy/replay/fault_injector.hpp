@@ -65,7 +65,7 @@ class FaultInjector {
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
  private:
-  bool strikes(std::size_t fault, Timestamp stamp);
+  bool occurs(std::size_t fault, Timestamp stamp);
   void take(CameraFrame frame);
   void take(const ImuSample& sample);
   void deliver(DatasetReader::Item item,
@@ -76,7 +76,7 @@ class FaultInjector {
   DatasetReader reader_;
   FaultPlan plan_;
   std::vector<std::mt19937_64> random_;    // of each fault, so that none disturbs another
-  std::vector<std::uint64_t> struck_;      // by each fault
+  std::vector<std::uint64_t> injected_;    // by each fault
   std::optional<CameraFrame> last_frame_;  // before its successor came, as it was given out
   std::optional<DatasetReader::Item> late_frame_;
   std::optional<DatasetReader::Item> late_sample_;

@@ -37,7 +37,7 @@ struct IcpTarget::Cloud {
   PclTree::Ptr tree;
 
   /// How well points that have been moved lie on it.
-  void measure(const PclCloud& moved, double most_distance_m, IcpResult& result) const {
+  void measure(const PclCloud& moved, double max_distance_m, IcpResult& result) const {
     std::vector<int> index(1);
     std::vector<float> squared(1);
     std::size_t matched = 0;
@@ -45,7 +45,7 @@ struct IcpTarget::Cloud {
     for (const pcl::PointXYZ& point : moved) {
       if (tree->nearestKSearch(point, 1, index, squared) != 1) continue;
       const auto squared_m = static_cast<double>(squared.front());
-      if (squared_m > most_distance_m * most_distance_m) continue;
+      if (squared_m > max_distance_m * max_distance_m) continue;
       ++matched;
       sum += squared_m;
     }
@@ -83,7 +83,7 @@ IcpResult IcpTarget::align(const std::vector<Eigen::Vector3d>& source,
   icp.setSearchMethodTarget(cloud_->tree, kKeepTree);
   icp.setInputTarget(cloud_->points);
   icp.setInputSource(cloud);
-  icp.setMaxCorrespondenceDistance(config.most_distance_m);
+  icp.setMaxCorrespondenceDistance(config.max_distance_m);
   icp.setMaximumIterations(config.iterations);
   icp.setTransformationEpsilon(config.settled_m * config.settled_m);  // of the squared step
   PclCloud moved;
@@ -91,7 +91,7 @@ IcpResult IcpTarget::align(const std::vector<Eigen::Vector3d>& source,
   result.converged = icp.hasConverged();
   if (!result.converged) return result;
   result.T_target_source = pose_of(icp.getFinalTransformation()) * start;
-  cloud_->measure(moved, config.most_distance_m, result);
+  cloud_->measure(moved, config.max_distance_m, result);
   return result;
 }
 

@@ -10,18 +10,17 @@
 namespace fleetloc {
 
 struct IcpConfig {
-  double most_distance_m = 0.0;  ///< between a point and its nearest one in the target
-  int iterations = 0;            ///< at most
-  double settled_m = 0.0;        ///< a last step that moves no more than this
+  double max_distance_m = 0.0;  ///< between a point and its nearest one in the target
+  int iterations = 0;           ///< at most
+  double settled_m = 0.0;       ///< a last step that moves no more than this
 };
 
 /// What became of one alignment.
 struct IcpResult {
   Pose T_target_source;
   bool converged = false;
-  double matched_share =
-      0.0;             ///< of the source's points, by IcpConfig::most_distance_m, at the end
-  double rms_m = 0.0;  ///< of their distances
+  double matched_share = 0.0;  ///< of the source's points, by IcpConfig::max_distance_m, at the end
+  double rms_m = 0.0;          ///< of their distances
 };
 
 /// Iterative closest point, point to point (Besl and McKay: A method for registration of 3-D

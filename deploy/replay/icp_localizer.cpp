@@ -45,7 +45,7 @@ void IcpLocalizer::submit(Submap submap, Timestamp now) {
   advance(now);
 }
 
-std::vector<Answer> IcpLocalizer::take_answers(Timestamp now) {
+std::vector<LocalizationResult> IcpLocalizer::take_answers(Timestamp now) {
   advance(now);
   return std::exchange(answers_, {});
 }
@@ -61,13 +61,13 @@ void IcpLocalizer::advance(Timestamp now) {
   waiting_.reset();
 }
 
-Answer IcpLocalizer::answer_to(const Submap& submap) {
+LocalizationResult IcpLocalizer::answer_to(const Submap& submap) {
   const SubmapKeyframe& newest = submap.keyframes.back();
-  Answer answer;
+  LocalizationResult answer;
   answer.robot = session_->robot;
   answer.session = session_->session;
   answer.localizer = "icp";
-  answer.epoch = Epoch{1};
+  answer.incarnation = Incarnation{1};
   answer.keyframe = newest.id;
   answer.revision = newest.revision;
   answer.stamp = newest.stamp;
@@ -89,17 +89,17 @@ Answer IcpLocalizer::answer_to(const Submap& submap) {
 
 LocalizationStatus IcpLocalizer::judge(const IcpResult& result) const {
   if (!result.converged) return LocalizationStatus::kNotConverged;
-  if (result.matched_share < config_.least_matched_share) return LocalizationStatus::kTooFewMatches;
-  return result.rms_m <= config_.most_rms_m ? LocalizationStatus::kLocalized
-                                            : LocalizationStatus::kPoorFit;
+  if (result.matched_share < config_.min_matched_share) return LocalizationStatus::kTooFewMatches;
+  return result.rms_m <= config_.max_rms_m ? LocalizationStatus::kLocalized
+                                           : LocalizationStatus::kPoorFit;
 }
 
 IcpLocalizer::Config read_icp_localizer_config(ConfigReader section) {
-  return {.icp = {.most_distance_m = section.positive("most_distance_m"),
+  return {.icp = {.max_distance_m = section.positive("max_distance_m"),
                   .iterations = section.integer("iterations", 1, 1000),
                   .settled_m = section.positive("settled_m")},
-          .least_matched_share = section.number("least_matched_share", 0.0, 1.0),
-          .most_rms_m = section.positive("most_rms_m"),
+          .min_matched_share = section.number("min_matched_share", 0.0, 1.0),
+          .max_rms_m = section.positive("max_rms_m"),
           .sigma_m = section.positive("sigma_m"),
           .sigma_rad = section.positive("sigma_rad")};
 }

@@ -19,9 +19,9 @@ class IcpLocalizer final : public MapLocalizer {
  public:
   struct Config {
     IcpConfig icp;
-    double least_matched_share;  ///< of the landmarks, by IcpConfig::most_distance_m
-    double most_rms_m;           ///< of their distances to the map's points
-    double sigma_m;              ///< of an answer
+    double min_matched_share;  ///< of the landmarks, by IcpConfig::max_distance_m
+    double max_rms_m;          ///< of their distances to the map's points
+    double sigma_m;            ///< of an answer
     double sigma_rad;
   };
 
@@ -32,18 +32,18 @@ class IcpLocalizer final : public MapLocalizer {
 
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
-  [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
+  [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
   void note_applied() override {}
-  void update_start(const StartPose&) override {}  // nobody else could begin with it
+  void update_start(const MapOdomEstimate&) override {}  // nobody else could begin with it
 
  private:
   struct Running {
-    Answer answer;
+    LocalizationResult answer;
     Timestamp ready;
   };
   void advance(Timestamp now);
-  [[nodiscard]] Answer answer_to(const Submap& submap);
+  [[nodiscard]] LocalizationResult answer_to(const Submap& submap);
   [[nodiscard]] LocalizationStatus judge(const IcpResult& result) const;
 
   std::shared_ptr<const LaserMap> map_;
@@ -54,7 +54,7 @@ class IcpLocalizer final : public MapLocalizer {
   std::optional<Pose> T_map_odom_;
   std::optional<Submap> waiting_;
   std::optional<Running> running_;
-  std::vector<Answer> answers_;
+  std::vector<LocalizationResult> answers_;
 };
 
 /// Strict; throws ConfigError.

@@ -21,12 +21,12 @@ constexpr const char* kRobot = "robot";
 constexpr const char* kLocalizer = "localizer";
 
 /// The far side of the robot's MapLocalizer, in simulated time.
-class FarSide {
+class LocalizationBackend {
  public:
-  FarSide() = default;
-  virtual ~FarSide() = default;
-  FarSide(const FarSide&) = delete;
-  FarSide& operator=(const FarSide&) = delete;
+  LocalizationBackend() = default;
+  virtual ~LocalizationBackend() = default;
+  LocalizationBackend(const LocalizationBackend&) = delete;
+  LocalizationBackend& operator=(const LocalizationBackend&) = delete;
 
   [[nodiscard]] virtual MapLocalizer& localizer() = 0;
   virtual void advance(const PoseEstimate&) {}
@@ -35,14 +35,14 @@ class FarSide {
 };
 
 /// Link and cloud.
-class Cloud final : public FarSide {
+class Cloud final : public LocalizationBackend {
  public:
   Cloud(const ReplayOptions& options, const ReplayConfig& config)
       : network_(options.link),
         robot_end_(network_.join_robot(kRobot)),
         cloud_end_(network_.join_cloud(kLocalizer)),
         cloud_(LocalizerPool(kLocalizer,
-                             Epoch{1},
+                             Incarnation{1},
                              std::make_shared<const LaserMap>(load_map(*options.map)),
                              config.pool),
                *cloud_end_,
@@ -68,7 +68,7 @@ class Cloud final : public FarSide {
   CloudClient client_;
 };
 
-class IcpBaseline final : public FarSide {
+class IcpBaseline final : public LocalizationBackend {
  public:
   IcpBaseline(const ReplayOptions& options, const ReplayConfig& config)
       : localizer_(std::make_shared<const LaserMap>(load_map(*options.map)),
@@ -81,7 +81,8 @@ class IcpBaseline final : public FarSide {
   IcpLocalizer localizer_;
 };
 
-std::unique_ptr<FarSide> far_side(const ReplayOptions& options, const ReplayConfig& config) {
+std::unique_ptr<LocalizationBackend> localization_backend(const ReplayOptions& options,
+                                                          const ReplayConfig& config) {
   if (!options.map) return nullptr;
   if (options.icp_baseline) return std::make_unique<IcpBaseline>(options, config);
   return std::make_unique<Cloud>(options, config);
@@ -96,7 +97,7 @@ class Replay {
                               .duration_s = options.duration_s,
                               .tracks = options.tracks}),
                options.faults),
-        far_side_(far_side(options, config)),
+        localization_(localization_backend(options, config)),
         back_end_(KeyframeWorker(rectified(input_.reader().calibration()),
                                  input_.reader().imu_noise(),
                                  config.worker,
@@ -109,7 +110,7 @@ class Replay {
                    .align_once = options.align_once},
                   config.pipeline,
                   back_end_,
-                  far_side_ ? &far_side_->localizer() : nullptr,
+                  localization_ ? &localization_->localizer() : nullptr,
                   thread_cpu_time),
         recorder_(options.out),
         out_(options.out) {
@@ -122,11 +123,11 @@ class Replay {
   std::optional<DatasetReader::Item> next();
   void take(const ImuSample& sample);
   [[nodiscard]] CloudClient::Traffic traffic() const {
-    return far_side_ ? far_side_->traffic() : CloudClient::Traffic{};
+    return localization_ ? localization_->traffic() : CloudClient::Traffic{};
   }
 
   FaultInjector input_;
-  std::unique_ptr<FarSide> far_side_;
+  std::unique_ptr<LocalizationBackend> localization_;
   SimulatedBackEnd back_end_;
   RobotPipeline pipeline_;
   RunRecorder recorder_;
@@ -146,7 +147,7 @@ void Replay::take(const ImuSample& sample) {
   const auto pose = pipeline_.add_imu(sample);
   if (!pose) return;  // refused: neither its content nor its stamp can be trusted
   recorder_.add_imu_rate_pose(*pose);
-  if (far_side_) far_side_->advance(*pose);
+  if (localization_) localization_->advance(*pose);
   pipeline_.poll(pose->stamp);
   recorder_.take(pipeline_, traffic());
 }
@@ -174,7 +175,7 @@ void Replay::run(const std::stop_token& stop) {
                    {.interrupted = stop.stop_requested(),
                     .wall_s = wall.count(),
                     .input_faults = input_.faults()});
-  if (far_side_) far_side_->finish(out_);
+  if (localization_) localization_->finish(out_);
 }
 
 }  // namespace

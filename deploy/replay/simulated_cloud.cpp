@@ -32,7 +32,7 @@ void SimulatedCloud::start_next(Timestamp now) {
   auto job = pool_.take_job(now);
   if (!job) return;
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
-  Answer answer = LocalizerPool::run(*job);
+  LocalizationResult answer = LocalizerPool::run(*job);
   const Duration cpu = cpu_clock_ ? cpu_clock_() - begin : Duration{};
   running_ = {std::move(*job), std::move(answer), 1e3 * to_seconds(cpu), now + localization_time_};
 }

@@ -27,7 +27,7 @@ class SimulatedCloud {
  private:
   struct Running {
     LocalizerPool::Job job;
-    Answer answer;
+    LocalizationResult answer;
     double optimize_ms = 0.0;
     Timestamp ready;
   };

@@ -83,7 +83,7 @@ int main(int argc, char** argv) {
     std::string map;
     std::string initial_pose;
     std::string faults;
-    std::string codec = "full";
+    std::string encoding = "full";
     std::string baseline;
     double duration = 0.0;
     int window = 0;
@@ -102,7 +102,8 @@ int main(int argc, char** argv) {
     auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
     auto* windowed = app.add_option("--window", window, "keyframes in the cloud's window")
                          ->check(CLI::Range(2, 1000));
-    app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
+    app.add_option("--encoding", encoding, "encoding of the submaps")
+        ->check(CLI::IsMember({"full"}));
     app.add_flag("--align-once",
                  options.align_once,
                  "a control: fuse the first answer and dead-reckon after it");

@@ -34,7 +34,7 @@ struct Arguments {
   std::string scene;
   std::string route;
   std::string built_along;
-  std::string session;
+  std::string season;
   std::string cloud;
   std::string trajectory;
   std::string calibration;
@@ -61,7 +61,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
          "way that the world is built around (that of --route, which otherwise must stay on "
          "its streets): several robots in one world")
       ->needs(scene);
-  app.add_option("--session", arguments.session, "season of the scene (that of its survey)")
+  app.add_option("--season", arguments.season, "season of the scene (that of its survey)")
       ->needs(scene);
   app.add_option("--scene-seed", arguments.scene_seed, "what is built along the route (1)")
       ->needs(scene);
@@ -105,7 +105,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->needs(scene);
 }
 
-// Of the whole way, whatever part of it is simulated: sessions share the scene.
+// Of the whole way, whatever part of it is simulated: seasons share the scene.
 Scene built_scene(const Arguments& arguments,
                   const SimMotion& motion,
                   const SimConfig& config,
@@ -121,31 +121,31 @@ Scene built_scene(const Arguments& arguments,
   return build_scene(scene, streets_m, arguments.scene_seed);
 }
 
-SessionScene one_session(const Arguments& arguments,
-                         const SimMotion& motion,
-                         const SimConfig& config) {
+SeasonScene one_session(const Arguments& arguments,
+                        const SimMotion& motion,
+                        const SimConfig& config) {
   const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
-  const std::string& name = arguments.session.empty() ? world.survey : arguments.session;
-  const SessionConfig& session = session_named(world, name);
+  const std::string& name = arguments.season.empty() ? world.survey : arguments.season;
+  const SeasonConfig& season = season_named(world, name);
   const Scene scene = built_scene(arguments, motion, config, world.scene);
-  return apply_session(scene, session, session_named(world, world.survey));
+  return apply_season(scene, season, season_named(world, world.survey));
 }
 
-std::vector<SessionScene> all_sessions(const Arguments& arguments,
-                                       const SimMotion& motion,
-                                       const SimConfig& config) {
+std::vector<SeasonScene> all_sessions(const Arguments& arguments,
+                                      const SimMotion& motion,
+                                      const SimConfig& config) {
   const WorldConfig world = read_world_config(ConfigReader::from_file(arguments.scene));
   const Scene scene = built_scene(arguments, motion, config, world.scene);
-  std::vector<SessionScene> sessions;
-  for (const SessionConfig& session : world.sessions) {
-    sessions.push_back(apply_session(scene, session, session_named(world, world.survey)));
+  std::vector<SeasonScene> seasons;
+  for (const SeasonConfig& season : world.seasons) {
+    seasons.push_back(apply_season(scene, season, season_named(world, world.survey)));
   }
-  return sessions;
+  return seasons;
 }
 
-SessionScene scene_of_cloud(const std::string& file,
-                            const Program& program,
-                            const SurfelConfig& surfels) {
+SeasonScene scene_of_cloud(const std::string& file,
+                           const Program& program,
+                           const SurfelConfig& surfels) {
   const MapConfig config = read_map_config(program.config().section("map"));
   return surfel_scene(build_map(read_points(file), "map", config), surfels);
 }
@@ -174,7 +174,7 @@ void print(const SimCounts& counts, const SimOptions& options) {
 /// What is simulated, once everything has been read.
 struct Prepared {
   std::shared_ptr<const SimMotion> motion;
-  std::shared_ptr<const SessionScene> scene;
+  std::shared_ptr<const SeasonScene> scene;
   SimConfig config;
   SimOptions options;
   std::shared_ptr<Termination> termination;
@@ -208,16 +208,16 @@ int print_comparison(const Prepared& prepared, const FeatureTracker::Config& fro
 }
 
 void print_unmapped(const Prepared& prepared,
-                    const std::vector<SessionScene>& sessions,
+                    const std::vector<SeasonScene>& seasons,
                     const std::string& survey,
                     const SimConfig& config) {
   const auto& map = *std::ranges::find(
-      sessions, survey, [](const SessionScene& session) { return session.config().name; });
+      seasons, survey, [](const SeasonScene& season) { return season.config().name; });
   std::cout << "landmarks without a surface in a map made in " << survey << ":\n";
-  for (const SessionScene& session : sessions) {
+  for (const SeasonScene& season : seasons) {
     const double share =
-        unmapped_share(*prepared.motion, session, map, config, prepared.options.seed);
-    std::cout << "  " << session.config().name << ' ' << std::lround(100.0 * share) << " %\n";
+        unmapped_share(*prepared.motion, season, map, config, prepared.options.seed);
+    std::cout << "  " << season.config().name << ' ' << std::lround(100.0 * share) << " %\n";
   }
 }
 
@@ -230,13 +230,13 @@ Program::Run prepared_sheet(const Arguments& arguments, const Prepared& prepared
   config.renderer.threads = arguments.sim.threads;
   return [config,
           prepared,
-          sessions = all_sessions(arguments, *prepared.motion, config),
+          seasons = all_sessions(arguments, *prepared.motion, config),
           survey = read_world_config(ConfigReader::from_file(arguments.scene)).survey,
           file = arguments.contact_sheet] {
     constexpr int kUnused = 100;  // quality of a JPEG
     write_image(
-        file, contact_sheet(*prepared.motion, sessions, config, prepared.options.seed), kUnused);
-    print_unmapped(prepared, sessions, survey, config);
+        file, contact_sheet(*prepared.motion, seasons, config, prepared.options.seed), kUnused);
+    print_unmapped(prepared, seasons, survey, config);
     return static_cast<int>(kSuccess);
   };
 }
@@ -269,7 +269,7 @@ Program::Run prepared(const Arguments& arguments, const Program& program) {
   result.options.merged_cloud = arguments.sim.lidar && !arguments.no_merged_cloud;
   set_part(arguments, *result.motion, result.options);
   if (!arguments.contact_sheet.empty()) return prepared_sheet(arguments, result);
-  result.scene = std::make_shared<const SessionScene>(
+  result.scene = std::make_shared<const SeasonScene>(
       replayed ? scene_of_cloud(arguments.cloud, program, result.config.surfels)
                : one_session(arguments, *result.motion, result.config));
   if (!arguments.compare_tracks) return [result] { return write_dataset(result); };

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -14,12 +14,12 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMostEvents = 100;  // nobody reads them
+constexpr std::size_t kMaxEvents = 100;  // nobody reads them
 
 // Two answers are the same information if they agree in this.
-auto identity(const Answer& answer) {
+auto identity(const LocalizationResult& answer) {
   return std::tuple(
-      answer.localizer, answer.epoch, answer.keyframe, answer.revision, answer.status);
+      answer.localizer, answer.incarnation, answer.keyframe, answer.revision, answer.status);
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
     : robot_(std::move(robot)),
       channel_(channel),
       config_(config),
-      choice_(robot_, config.choice) {}
+      selector_(robot_, config.selector) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   session_ = session;
@@ -38,7 +38,7 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   correction_.reset();
   corrected_anchor_.reset();
   if (!used_.empty()) return begin_service(now);
-  follow_choice(now);
+  follow_selector(now);
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
@@ -51,21 +51,21 @@ void CloudClient::submit(Submap submap, Timestamp now) {
   try {
     channel_.send(used_, {Topic::kSubmap, encode(submap)}, now);
     ++statistics_.submaps_sent;
-    choice_.sent(now);
+    selector_.sent(now);
   } catch (const NotEncodable&) {  // an estimate beyond all bounds; the next one may be sane again
     refuse("not_encodable");
   }
 }
 
-std::vector<Answer> CloudClient::take_answers(Timestamp now) {
-  std::vector<Answer> answers;
+std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
+  std::vector<LocalizationResult> answers;
   for (const Message& message : channel_.receive(now)) {
     if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload, now);
     if (message.topic == Topic::kCorrection) receive_correction(message.payload);
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  if (session_) follow_choice(now);  // by then most localizers have been heard
+  if (session_) follow_selector(now);  // by then most localizers have been heard
   announce_again(now);
   send_status(now);
   return answers;
@@ -73,14 +73,14 @@ std::vector<Answer> CloudClient::take_answers(Timestamp now) {
 
 void CloudClient::note_applied() {
   ++answers_applied_;
-  if (answered_map_) choice_.keep_to(*answered_map_);
+  if (answered_map_) selector_.keep_to(*answered_map_);
 }
 
 void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localizer_status(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
   const auto& status = std::get<LocalizerStatus>(decoded);
-  const auto reason = choice_.hear(status, now);
+  const auto reason = selector_.hear(status, now);
   if (!reason) return;
   if (*reason == "conflicting_localizer" && !statistics_.refused.contains(std::string(*reason))) {
     note("two localizers are named " + status.localizer + ": the one started first is not used");
@@ -96,7 +96,8 @@ void CloudClient::receive_correction(const Bytes& payload) {
     return refuse("correction_of_other_session");
   }
   if (correction.localizer != used_) return refuse("correction_of_other_localizer");
-  if (correction.epoch != choice_.epoch()) return refuse("correction_of_other_epoch");
+  if (correction.incarnation != selector_.incarnation())
+    return refuse("correction_of_other_incarnation");
   if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
     return refuse("outdated_correction");
   }
@@ -104,13 +105,13 @@ void CloudClient::receive_correction(const Bytes& payload) {
   correction_ = std::move(correction);
 }
 
-std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_answer(payload);
+std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
+  auto decoded = decode_localization_result(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
     refuse(name(*reason));
     return std::nullopt;
   }
-  auto& answer = std::get<Answer>(decoded);
+  auto& answer = std::get<LocalizationResult>(decoded);
   if (const auto reason = why_refused(answer)) {
     refuse(*reason);
     suspect_shared_id(answer, now);
@@ -121,7 +122,7 @@ std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestam
     return std::nullopt;
   }
   answered_ = true;
-  choice_.answered(now);
+  selector_.answered(now);
   sender_.acknowledge(answer, now);
   if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
   if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
@@ -130,39 +131,41 @@ std::optional<Answer> CloudClient::receive_answer(const Bytes& payload, Timestam
   return std::move(answer);
 }
 
-std::optional<std::string_view> CloudClient::why_refused(const Answer& answer) const {
+std::optional<std::string_view> CloudClient::why_refused(const LocalizationResult& answer) const {
   if (answer.robot != robot_ || !session_ || answer.session != session_->session) {
     return "other_session";
   }
   if (answer.localizer != used_) return "other_localizer";
   const bool asks = answer.status == LocalizationStatus::kNeedFull;
   if (asks && !sender_.awaits(answer.keyframe)) return "not_asked";
-  if (answer.epoch < choice_.epoch() || (!asks && answer.epoch != choice_.epoch())) {
-    return "other_epoch";
+  if (answer.incarnation < selector_.incarnation() ||
+      (!asks && answer.incarnation != selector_.incarnation())) {
+    return "other_incarnation";
   }
-  if (!choice_.is_right(answer.map_hash) && !asks) return "other_map";
+  if (!selector_.is_right(answer.map_hash) && !asks) return "other_map";
   return std::nullopt;
 }
 
 // The localizer does not know the session: it was restarted, or has forgotten or never heard it.
-void CloudClient::session_requested(const Answer& answer, Timestamp now) {
+void CloudClient::session_requested(const LocalizationResult& answer, Timestamp now) {
   ++statistics_.sessions_requested;
   answered_ = false;
-  if (answer.epoch != choice_.epoch()) {  // its own status will follow, and say the rest
+  if (answer.incarnation !=
+      selector_.incarnation()) {  // its own status will follow, and say the rest
     const LocalizerStatus status{.localizer = answer.localizer,
-                                 .epoch = answer.epoch,
+                                 .incarnation = answer.incarnation,
                                  .map_hash = answer.map_hash,
                                  .accepting = true};
-    static_cast<void>(choice_.hear(status, now));
+    static_cast<void>(selector_.hear(status, now));
     return;
   }
   announcement_interval_s_ = config_.announcement_interval_s;
-  if (to_seconds(now - *announced_) < config_.least_announcement_interval_s) return;
+  if (to_seconds(now - *announced_) < config_.min_announcement_interval_s) return;
   announce_as_it_is(now);
 }
 
 // Answers to an earlier session of this robot would have arrived by then.
-void CloudClient::suspect_shared_id(const Answer& answer, Timestamp now) {
+void CloudClient::suspect_shared_id(const LocalizationResult& answer, Timestamp now) {
   constexpr double kSettledSeconds = 30.0;
   constexpr int kTooMany = 3;
   if (!session_ || answer.robot != robot_ || answer.session == session_->session) return;
@@ -173,31 +176,32 @@ void CloudClient::suspect_shared_id(const Answer& answer, Timestamp now) {
 }
 
 void CloudClient::note_trouble() {
-  if (trouble_ == choice_.trouble()) return;
-  trouble_ = choice_.trouble();
+  if (trouble_ == selector_.trouble()) return;
+  trouble_ = selector_.trouble();
   note(trouble_.empty() ? "localizer " + used_ + " is fine again"
                         : "localizer " + trouble_ + ", and there is no other");
 }
 
-void CloudClient::follow_choice(Timestamp now) {
-  using Change = LocalizerChoice::Change;
-  const Change change = choice_.decide(now, link());
-  if (choice_.name().empty() && other_map_ != choice_.other_map()) {
-    other_map_ = choice_.other_map();
+void CloudClient::follow_selector(Timestamp now) {
+  using Change = LocalizerSelector::Change;
+  const Change change = selector_.decide(now, link());
+  if (selector_.name().empty() && other_map_ != selector_.other_map()) {
+    other_map_ = selector_.other_map();
     if (!other_map_.empty()) {
       note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
     }
   }
   if (change == Change::kNone) return note_trouble();
   trouble_.clear();
-  if (used_ != choice_.name() && !used_.empty()) channel_.release(used_);
-  if (change == Change::kLeft) note("localizer " + used_ + " is left: " + choice_.reason());
-  used_ = choice_.name();
+  if (used_ != selector_.name() && !used_.empty()) channel_.release(used_);
+  if (change == Change::kLeft) note("localizer " + used_ + " is left: " + selector_.reason());
+  used_ = selector_.name();
   if (change == Change::kLeft) return;
   ++statistics_.localizers_chosen;
   other_map_.clear();
   note("localizer " + used_ + ", started as " +
-       std::to_string(static_cast<std::uint32_t>(choice_.epoch())) + ": " + choice_.reason());
+       std::to_string(static_cast<std::uint32_t>(selector_.incarnation())) + ": " +
+       selector_.reason());
   begin_service(now);
 }
 
@@ -207,7 +211,7 @@ void CloudClient::begin_service(Timestamp now) {
   status_sent_.reset();
   announcement_interval_s_ = config_.announcement_interval_s;
   if (!session_) return;
-  sender_.restart(session_->session, choice_.epoch());
+  sender_.restart(session_->session, selector_.incarnation());
   announce_as_it_is(now);
 }
 
@@ -220,7 +224,7 @@ void CloudClient::announce_as_it_is(Timestamp now) {
 
 void CloudClient::announce(Timestamp now) {
   session_->localizer = used_;
-  session_->epoch = choice_.epoch();
+  session_->incarnation = selector_.incarnation();
   announced_ = now;
   try {
     channel_.send("", {Topic::kSession, encode(*session_)}, now);
@@ -236,7 +240,7 @@ void CloudClient::announce_again(Timestamp now) {
   if (!session_ || used_.empty() || answered_) return;
   if (to_seconds(now - *announced_) < announcement_interval_s_) return;
   announcement_interval_s_ =
-      std::min(2.0 * announcement_interval_s_, config_.longest_announcement_interval_s);
+      std::min(2.0 * announcement_interval_s_, config_.max_announcement_interval_s);
   announce(now);
 }
 
@@ -256,14 +260,14 @@ void CloudClient::send_status(Timestamp now) {
 }
 
 void CloudClient::note(std::string event) {
-  if (events_.size() < kMostEvents) events_.push_back(std::move(event));
+  if (events_.size() < kMaxEvents) events_.push_back(std::move(event));
 }
 
 std::vector<std::string> CloudClient::take_events() {
   return std::exchange(events_, {});
 }
 
-LocalizerChoice::Link CloudClient::link() const {
+LocalizerSelector::Link CloudClient::link() const {
   return {.round_trip = sender_.round_trip(), .loss = sender_.loss()};
 }
 
@@ -288,10 +292,10 @@ CloudClient::Traffic CloudClient::traffic() const {
 
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
   ConfigReader announcement = config.section("announcement");
-  return {.choice = read_localizer_choice_config(config.section("choice")),
+  return {.selector = read_localizer_selector_config(config.section("selector")),
           .announcement_interval_s = announcement.positive("interval_s"),
-          .longest_announcement_interval_s = announcement.positive("longest_interval_s"),
-          .least_announcement_interval_s = announcement.positive("least_interval_s"),
+          .max_announcement_interval_s = announcement.positive("max_interval_s"),
+          .min_announcement_interval_s = announcement.positive("min_interval_s"),
           .status_interval_s = config.positive("status_interval_s")};
 }
 

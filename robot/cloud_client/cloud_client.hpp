@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "robot/cloud_client/localizer_choice.hpp"
+#include "robot/cloud_client/localizer_selector.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
@@ -26,11 +26,11 @@ class ConfigReader;
 class CloudClient final : public MapLocalizer {
  public:
   struct Config {
-    LocalizerChoice::Config choice;
+    LocalizerSelector::Config selector;
     double announcement_interval_s;  ///< until it is answered; doubles each time
-    double longest_announcement_interval_s;
-    double least_announcement_interval_s;  ///< however often the localizer asks for it
-    double status_interval_s;              ///< of what the robot says of itself
+    double max_announcement_interval_s;
+    double min_announcement_interval_s;  ///< however often the localizer asks for it
+    double status_interval_s;            ///< of what the robot says of itself
   };
   struct Statistics {
     std::uint64_t submaps_sent = 0;
@@ -59,12 +59,12 @@ class CloudClient final : public MapLocalizer {
 
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
-  [[nodiscard]] std::vector<Answer> take_answers(Timestamp now) override;
+  [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
   [[nodiscard]] std::optional<Correction> take_correction() override {
     return std::exchange(correction_, std::nullopt);
   }
   void note_applied() override;
-  void update_start(const StartPose& start) override { newest_start_ = start; }
+  void update_start(const MapOdomEstimate& start) override { newest_start_ = start; }
 
   /// What the robot tells its localizer of itself from now on.
   void set_quality(Quality quality) { quality_ = quality; }
@@ -78,12 +78,12 @@ class CloudClient final : public MapLocalizer {
  private:
   void receive_status(const Bytes& payload, Timestamp now);
   void receive_correction(const Bytes& payload);
-  std::optional<Answer> receive_answer(const Bytes& payload, Timestamp now);
-  [[nodiscard]] std::optional<std::string_view> why_refused(const Answer& answer) const;
-  void session_requested(const Answer& answer, Timestamp now);
-  void follow_choice(Timestamp now);
+  std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
+  [[nodiscard]] std::optional<std::string_view> why_refused(const LocalizationResult& answer) const;
+  void session_requested(const LocalizationResult& answer, Timestamp now);
+  void follow_selector(Timestamp now);
   void note_trouble();
-  void suspect_shared_id(const Answer& answer, Timestamp now);
+  void suspect_shared_id(const LocalizationResult& answer, Timestamp now);
   void begin_service(Timestamp now);
   void announce_as_it_is(Timestamp now);
   void announce(Timestamp now);
@@ -91,15 +91,15 @@ class CloudClient final : public MapLocalizer {
   void send_status(Timestamp now);
   void refuse(std::string_view reason) { ++statistics_.refused[std::string(reason)]; }
   void note(std::string event);
-  [[nodiscard]] LocalizerChoice::Link link() const;
+  [[nodiscard]] LocalizerSelector::Link link() const;
 
   RobotId robot_;
   Channel& channel_;
   Config config_;
-  LocalizerChoice choice_;
+  LocalizerSelector selector_;
   std::string used_;                     // the localizer in whose partition the robot writes
   std::optional<RobotSession> session_;  // as it was announced
-  std::optional<StartPose> newest_start_;
+  std::optional<MapOdomEstimate> newest_start_;
   bool answered_ = false;  // by the chosen localizer, in this session
   std::optional<Timestamp> announced_;
   double announcement_interval_s_ = 0.0;
@@ -108,7 +108,7 @@ class CloudClient final : public MapLocalizer {
   std::uint64_t answers_applied_ = 0;
   std::optional<MapHash> answered_map_;  // of the newest answer with a pose
   SubmapSender sender_;
-  std::optional<Answer> newest_;                // of this session
+  std::optional<LocalizationResult> newest_;    // of this session
   std::optional<Correction> correction_;        // not yet taken
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
   std::string other_map_;  // the localizer that was last reported to have another map

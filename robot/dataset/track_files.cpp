@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kFrames = "data.csv";
 constexpr const char* kObservations = "observations.csv";
-constexpr double kMostObservations = 10'000.0;  // of a frame
-constexpr double kMostLandmarks = std::numeric_limits<std::uint32_t>::max();
+constexpr double kMaxObservations = 10'000.0;  // of a frame
+constexpr double kMaxLandmarks = std::numeric_limits<std::uint32_t>::max();
 
 DelimitedFile open_csv(const std::filesystem::path& file) {
   try {
@@ -27,11 +27,11 @@ DelimitedFile open_csv(const std::filesystem::path& file) {
   }
 }
 
-std::size_t whole_number(const DelimitedFile& csv, std::size_t column, double most) {
+std::size_t whole_number(const DelimitedFile& csv, std::size_t column, double max) {
   const double number = csv.number(column);
-  if (number < 0.0 || number > most || number != std::floor(number)) {
+  if (number < 0.0 || number > max || number != std::floor(number)) {
     csv.fail("'" + std::string(csv.text(column)) + "' is not a whole number up to " +
-             std::to_string(static_cast<std::uint64_t>(most)));
+             std::to_string(static_cast<std::uint64_t>(max)));
   }
   return static_cast<std::size_t>(number);
 }
@@ -65,7 +65,7 @@ TrackFiles::TrackFiles(const std::filesystem::path& folder)
         csv.fail("the stamp is not later than the one before");
       }
       stamps_.push_back(stamp);
-      sizes_.push_back(whole_number(csv, 1, kMostObservations));
+      sizes_.push_back(whole_number(csv, 1, kMaxObservations));
     }
   } catch (const TextFileError& error) {
     throw DatasetError(error.what());
@@ -79,7 +79,7 @@ StereoObservation TrackFiles::read_observation() {
   }
   observations_.expect_columns(4);
   StereoObservation observation;
-  observation.landmark = LandmarkId(whole_number(observations_, 0, kMostLandmarks));
+  observation.landmark = LandmarkId(whole_number(observations_, 0, kMaxLandmarks));
   observation.left = {observations_.number(1), observations_.number(2)};
   observation.disparity = observations_.number(3);
   if (observation.disparity < 0.0) observations_.fail("the disparity is negative");

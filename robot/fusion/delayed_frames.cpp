@@ -102,7 +102,7 @@ std::optional<std::size_t> DelayedFrames::index_at(Timestamp stamp) const {
   return static_cast<std::size_t>(std::distance(frames_.begin(), later)) - 1;
 }
 
-std::string_view DelayedFrames::why_unusable(const Answer& answer) const {
+std::string_view DelayedFrames::why_unusable(const LocalizationResult& answer) const {
   if (session_ && answer.session != *session_) {
     return "wrong_session";
   }
@@ -124,7 +124,8 @@ std::string_view DelayedFrames::why_no_frame(Timestamp stamp) const {
   return late ? "too_old" : "unknown_stamp";
 }
 
-std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(const Answer& answer) {
+std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(
+    const LocalizationResult& answer) {
   if (const std::string_view reason = why_unusable(answer); !reason.empty()) {
     return reason;
   }
@@ -135,14 +136,14 @@ std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(const Answ
   Frame& frame = frames_[*index];
   if (frame.answer) {
     // A total order, so that one of several answers to a frame wins whichever comes first.
-    const AnswerMeasurement& known = frame.answer->measurement;
-    const auto rank = std::tie(answer.revision, answer.epoch, answer.localizer);
-    const auto known_rank = std::tie(frame.answer->revision, known.epoch, known.localizer);
+    const LocalizationMeasurement& known = frame.answer->measurement;
+    const auto rank = std::tie(answer.revision, answer.incarnation, answer.localizer);
+    const auto known_rank = std::tie(frame.answer->revision, known.incarnation, known.localizer);
     if (rank <= known_rank) {
       return std::string_view(rank == known_rank ? "duplicate" : "older_than_applied");
     }
   }
-  frame.answer = StoredAnswer{
+  frame.answer = StoredMeasurement{
       .revision = answer.revision,
       .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
       .outcome = std::nullopt};

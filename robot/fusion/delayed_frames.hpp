@@ -6,8 +6,8 @@
 #include <string_view>
 #include <variant>
 
-#include "robot/fusion/answer_measurement.hpp"
 #include "robot/fusion/imu_prediction.hpp"
+#include "robot/fusion/localization_measurement.hpp"
 #include "robot/fusion/map_alignment.hpp"
 #include "robot/fusion/odometry_drift.hpp"
 #include "robot/fusion/pose_fusion.hpp"
@@ -20,15 +20,15 @@ namespace fleetloc {
 /// prediction from the newest frame is the odom pose.
 class DelayedFrames {
  public:
-  struct StoredAnswer {
+  struct StoredMeasurement {
     Revision revision{};
-    AnswerMeasurement measurement;
-    std::optional<AnswerOutcome> outcome;  ///< none before the first replay
+    LocalizationMeasurement measurement;
+    std::optional<LocalizationOutcome> outcome;  ///< none before the first replay
   };
   struct Frame {
     OdometryEstimate odometry;
     DriftStep drift;  ///< since the frame before
-    std::optional<StoredAnswer> answer;
+    std::optional<StoredMeasurement> answer;
   };
 
   DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config);
@@ -43,10 +43,10 @@ class DelayedFrames {
   std::string_view add_odometry(const OdometryEstimate& estimate);
 
   /// Why the answer cannot be used, whatever its stamp; empty if it can.
-  [[nodiscard]] std::string_view why_unusable(const Answer& answer) const;
+  [[nodiscard]] std::string_view why_unusable(const LocalizationResult& answer) const;
 
   /// The index of the answer's frame, where it is stored now, or why it is refused.
-  std::variant<std::size_t, std::string_view> add_answer(const Answer& answer);
+  std::variant<std::size_t, std::string_view> add_answer(const LocalizationResult& answer);
 
   /// The oldest frame is older than the buffer.
   [[nodiscard]] bool has_stale() const;
@@ -81,7 +81,7 @@ class DelayedFrames {
   ImuNoise noise_;
   Duration buffer_;
   OdometryDrift::Config drift_config_;
-  AnswerNoise answer_noise_;
+  LocalizationNoise answer_noise_;
   std::optional<SessionNumber> session_;
   ImuBuffer imu_;
   std::optional<ImuSample> last_imu_;

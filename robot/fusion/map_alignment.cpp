@@ -17,46 +17,47 @@ constexpr double kRadians = std::numbers::pi / 180.0;
 
 }  // namespace
 
-std::string_view name(AnswerOutcome outcome) {
+std::string_view name(LocalizationOutcome outcome) {
   switch (outcome) {
-    case AnswerOutcome::kApplied:
+    case LocalizationOutcome::kApplied:
       return "applied";
-    case AnswerOutcome::kRestarted:
+    case LocalizationOutcome::kRestarted:
       return "restarted";
-    case AnswerOutcome::kGated:
+    case LocalizationOutcome::kGated:
       return "gated";
-    case AnswerOutcome::kImplausibleTilt:
+    case LocalizationOutcome::kImplausibleTilt:
       return "implausible_tilt";
-    case AnswerOutcome::kWrongMap:
+    case LocalizationOutcome::kWrongMap:
       return "wrong_map";
   }
   return "unknown";
 }
 
-MapAlignment::MapAlignment(const Config& config) : config_(config), rivals_(config.rivals) {}
+MapAlignment::MapAlignment(const Config& config)
+    : config_(config), hypotheses_(config.hypotheses) {}
 
 void MapAlignment::drift(const DriftStep& step) {
   if (last_applied_) {
     P_.topLeftCorner<6, 6>() += step.covariance;
     metres_since_error_ += step.metres;
-    rivals_.drift(step.covariance);
+    hypotheses_.drift(step.covariance);
   }
 }
 
-std::optional<StartPose> MapAlignment::pose() const {
+std::optional<MapOdomEstimate> MapAlignment::pose() const {
   if (!last_applied_) {
     return std::nullopt;
   }
-  return StartPose{T_map_odom_, P_.topLeftCorner<6, 6>()};
+  return MapOdomEstimate{T_map_odom_, P_.topLeftCorner<6, 6>()};
 }
 
-std::optional<StartPose> MapAlignment::start_pose() const {
-  const std::optional<StartPose> held = pose();
-  return held ? std::optional(rivals_.hedged(*held)) : std::nullopt;
+std::optional<MapOdomEstimate> MapAlignment::start_pose() const {
+  const std::optional<MapOdomEstimate> held = pose();
+  return held ? std::optional(hypotheses_.hedged(*held)) : std::nullopt;
 }
 
 // Nothing but the answer and gravity is used: d = -Ad(T_odom_body) * (J_error * u + white).
-bool MapAlignment::initialize(const AnswerMeasurement& answer) {
+bool MapAlignment::initialize(const LocalizationMeasurement& answer) {
   const Pose T_map_odom = alignment_from(answer);
   const Matrix6d covariance = alignment_covariance(answer);
   const MapTilt tilt = tilt_of(T_map_odom.R);
@@ -79,25 +80,25 @@ bool MapAlignment::initialize(const AnswerMeasurement& answer) {
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
   continued_ = false;
-  rivals_.restart(answer);
+  hypotheses_.restart(answer);
   return true;
 }
 
-MapAlignment MapAlignment::continued(const StartPose& pose) const {
+MapAlignment MapAlignment::continued(const MapOdomEstimate& pose) const {
   MapAlignment result(config_);
   if (last_applied_) {
     result.map_hash_ = map_hash_;
     result.last_applied_ = last_applied_;
     result.T_map_odom_ = pose.T_map_odom;
     result.P_.topLeftCorner<6, 6>() = pose.covariance;
-    result.rivals_ = rivals_.without_rivals();
+    result.hypotheses_ = hypotheses_.without_alternatives();
     result.continued_ = true;
   }
   return result;
 }
 
 // Both errors count in full: what they share makes them agree better than that.
-bool MapAlignment::agrees_with_continued(const AnswerMeasurement& answer) const {
+bool MapAlignment::agrees_with_continued(const LocalizationMeasurement& answer) const {
   const Vector6d residual = local_coordinates(T_map_odom_ * answer.T_odom_body, answer.T_map_body);
   const Matrix6d S =
       answer.J_alignment * P_.topLeftCorner<6, 6>() * answer.J_alignment.transpose() +
@@ -110,7 +111,7 @@ bool MapAlignment::agrees_with_continued(const AnswerMeasurement& answer) const 
 // share the smaller covariance (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
 // product of their deviations. Along the common eigenvectors of both that is the smaller
 // eigenvalue. Taken as one error of two sizes, it would be found by comparing the answers.
-Matrix6d MapAlignment::error_transition(const AnswerMeasurement& answer) const {
+Matrix6d MapAlignment::error_transition(const LocalizationMeasurement& answer) const {
   const double dt = to_seconds(answer.stamp - error_stamp_);
   assert(dt >= 0.0);
   const double faded = std::min(dt / config_.correlation_time_s,
@@ -122,7 +123,7 @@ Matrix6d MapAlignment::error_transition(const AnswerMeasurement& answer) const {
   return std::exp(-faded) * answer.root_map.ldlt().solve(error_root_ * shared);
 }
 
-void MapAlignment::age_error(const AnswerMeasurement& answer) {
+void MapAlignment::age_error(const LocalizationMeasurement& answer) {
   const Matrix6d F = error_transition(answer);
   error_ = F * error_;
   P_.rightCols<6>() *= F.transpose();
@@ -148,19 +149,20 @@ void MapAlignment::update(const Eigen::Matrix<double, N, 1>& residual,
   error_ += correction.template tail<6>();
 }
 
-AnswerOutcome MapAlignment::apply_to_continued(const AnswerMeasurement& answer) {
+LocalizationOutcome MapAlignment::apply_to_continued(const LocalizationMeasurement& answer) {
   const bool agrees = agrees_with_continued(answer);
-  if (!agrees && !rivals_.add(answer)) return AnswerOutcome::kGated;
-  if (!initialize(answer)) return AnswerOutcome::kImplausibleTilt;
-  return agrees ? AnswerOutcome::kApplied : AnswerOutcome::kRestarted;
+  if (!agrees && !hypotheses_.add(answer)) return LocalizationOutcome::kGated;
+  if (!initialize(answer)) return LocalizationOutcome::kImplausibleTilt;
+  return agrees ? LocalizationOutcome::kApplied : LocalizationOutcome::kRestarted;
 }
 
-AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
+LocalizationOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
   if (!last_applied_) {
-    return initialize(answer) ? AnswerOutcome::kApplied : AnswerOutcome::kImplausibleTilt;
+    return initialize(answer) ? LocalizationOutcome::kApplied
+                              : LocalizationOutcome::kImplausibleTilt;
   }
   if (answer.map_hash != map_hash_) {
-    return AnswerOutcome::kWrongMap;
+    return LocalizationOutcome::kWrongMap;
   }
   if (continued_) return apply_to_continued(answer);
   const MapAlignment before = *this;
@@ -172,15 +174,16 @@ AnswerOutcome MapAlignment::apply(const AnswerMeasurement& answer) {
   const Matrix6d S = H * P_ * H.transpose() + answer.white;
   if (chi_square(residual, S) > config_.gate_chi_square) {
     *this = before;
-    if (!rivals_.add(answer)) {
-      return AnswerOutcome::kGated;
+    if (!hypotheses_.add(answer)) {
+      return LocalizationOutcome::kGated;
     }
-    return initialize(answer) ? AnswerOutcome::kRestarted : AnswerOutcome::kImplausibleTilt;
+    return initialize(answer) ? LocalizationOutcome::kRestarted
+                              : LocalizationOutcome::kImplausibleTilt;
   }
   update<6>(residual, H, answer.white);
   last_applied_ = answer.stamp;
-  rivals_.support(answer);
-  return AnswerOutcome::kApplied;
+  hypotheses_.support(answer);
+  return LocalizationOutcome::kApplied;
 }
 
 MapAlignment::Config read_map_alignment_config(ConfigReader section) {
@@ -196,10 +199,10 @@ MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   config.gate_chi_square = section.positive("gate_chi_square");
   config.map_tilt = kRadians * section.positive("map_tilt_deg");
   config.tilt_gate_chi_square = section.positive("tilt_gate_chi_square");
-  config.rivals.gate_chi_square = config.gate_chi_square;
-  config.rivals.window_s = section.positive("window_s");
-  config.rivals.lost_after = section.integer("lost_after", 1, 1000);
-  config.rivals.restart_after = section.integer("restart_after", 1, 1000);
+  config.hypotheses.gate_chi_square = config.gate_chi_square;
+  config.hypotheses.window_s = section.positive("window_s");
+  config.hypotheses.lost_after = section.integer("lost_after", 1, 1000);
+  config.hypotheses.restart_after = section.integer("restart_after", 1, 1000);
   return config;
 }
 

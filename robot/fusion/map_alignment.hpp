@@ -3,16 +3,16 @@
 #include <optional>
 #include <string_view>
 
-#include "robot/fusion/answer_measurement.hpp"
+#include "robot/fusion/alignment_hypotheses.hpp"
+#include "robot/fusion/localization_measurement.hpp"
 #include "robot/fusion/odometry_drift.hpp"
-#include "robot/fusion/rival_alignments.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
 
 /// What became of an answer in the filter.
-enum class AnswerOutcome {
+enum class LocalizationOutcome {
   kApplied,
   kRestarted,        ///< applied; contradicted what was believed before and replaced it
   kGated,            ///< contradicts what is believed (chi-square)
@@ -20,16 +20,17 @@ enum class AnswerOutcome {
   kWrongMap,  ///< refers to another map than the first applied answer: says nothing of this one
 };
 
-constexpr bool is_applied(AnswerOutcome outcome) {
-  return outcome == AnswerOutcome::kApplied || outcome == AnswerOutcome::kRestarted;
+constexpr bool is_applied(LocalizationOutcome outcome) {
+  return outcome == LocalizationOutcome::kApplied || outcome == LocalizationOutcome::kRestarted;
 }
 
 /// As it stands in files, e.g. "implausible_tilt".
-std::string_view name(AnswerOutcome outcome);
+std::string_view name(LocalizationOutcome outcome);
 
 /// Kalman filter over T_map_odom and the slowly varying error of the answers. State:
 /// [d: right perturbation of T_map_odom (6), u: normalized error of the answers (6)]; see
-/// AnswerMeasurement. Feed drift and answers in order of their stamps. A value: copy it to replay.
+/// LocalizationMeasurement. Feed drift and answers in order of their stamps. A value: copy it to
+/// replay.
 class MapAlignment {
  public:
   struct Config {
@@ -40,38 +41,38 @@ class MapAlignment {
     double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
     double map_tilt = 0.0;              ///< sigma of roll and pitch of T_map_odom [rad]
     double tilt_gate_chi_square = 0.0;  ///< 2 degrees of freedom
-    AnswerNoise noise;
-    RivalAlignments::Config rivals;
+    LocalizationNoise noise;
+    AlignmentHypotheses::Config hypotheses;
   };
   explicit MapAlignment(const Config& config);
 
   /// T_map_odom becomes more uncertain (right perturbation), the mean stays.
   void drift(const DriftStep& step);
 
-  AnswerOutcome apply(const AnswerMeasurement& answer);
+  LocalizationOutcome apply(const LocalizationMeasurement& answer);
 
   /// T_map_odom with covariance, from the first applied answer on.
-  [[nodiscard]] std::optional<StartPose> pose() const;
+  [[nodiscard]] std::optional<MapOdomEstimate> pose() const;
   /// The same, with a covariance that reaches to what contradicting answers say.
-  [[nodiscard]] std::optional<StartPose> start_pose() const;
+  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
   /// The same after a reset of the odometry: `pose` stands for what is known of it until an answer
   /// comes that agrees, and takes its place. Nothing before the first applied answer.
-  [[nodiscard]] MapAlignment continued(const StartPose& pose) const;
+  [[nodiscard]] MapAlignment continued(const MapOdomEstimate& pose) const;
   /// No answer has been applied since.
   [[nodiscard]] bool is_continued() const { return continued_; }
 
   /// Rejected answers agree with each other on something else.
-  [[nodiscard]] bool contradicted() const { return rivals_.contradict(); }
+  [[nodiscard]] bool contradicted() const { return hypotheses_.contradict(); }
 
  private:
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-  bool initialize(const AnswerMeasurement& answer);
-  AnswerOutcome apply_to_continued(const AnswerMeasurement& answer);
-  [[nodiscard]] bool agrees_with_continued(const AnswerMeasurement& answer) const;
-  [[nodiscard]] Matrix6d error_transition(const AnswerMeasurement& answer) const;
-  void age_error(const AnswerMeasurement& answer);
+  bool initialize(const LocalizationMeasurement& answer);
+  LocalizationOutcome apply_to_continued(const LocalizationMeasurement& answer);
+  [[nodiscard]] bool agrees_with_continued(const LocalizationMeasurement& answer) const;
+  [[nodiscard]] Matrix6d error_transition(const LocalizationMeasurement& answer) const;
+  void age_error(const LocalizationMeasurement& answer);
   template <int N>
   void update(const Eigen::Matrix<double, N, 1>& residual,
               const Eigen::Matrix<double, N, 12>& H,
@@ -87,7 +88,7 @@ class MapAlignment {
   Pose T_map_odom_;
   Vector6d error_ = Vector6d::Zero();  ///< u
   Matrix12d P_ = Matrix12d::Zero();
-  RivalAlignments rivals_;
+  AlignmentHypotheses hypotheses_;
 };
 
 MapAlignment::Config read_map_alignment_config(ConfigReader section);

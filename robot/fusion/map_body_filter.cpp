@@ -9,18 +9,19 @@
 namespace fleetloc {
 
 MapBodyFilter::MapBodyFilter(const MapAlignment::Config& config)
-    : config_(config), rivals_(config.rivals) {}
+    : config_(config), hypotheses_(config.hypotheses) {}
 
-std::optional<StartPose> MapBodyFilter::start_pose() const {
+std::optional<MapOdomEstimate> MapBodyFilter::start_pose() const {
   if (!last_applied_) {
     return std::nullopt;
   }
-  return rivals_.hedged({T_map_odom_, P_.bottomRightCorner<6, 6>()});
+  return hypotheses_.hedged({T_map_odom_, P_.bottomRightCorner<6, 6>()});
 }
 
 // With the errors a of the answer, n of the odometry's pose, v of its velocity and b of the biases:
 // body = a, T_map_odom = Ad(T_odom_body) (a - n), velocity = R_map_odom (v - hat(v_odom) rotation).
-bool MapBodyFilter::initialize(const AnswerMeasurement& answer, const OdometryEstimate& odometry) {
+bool MapBodyFilter::initialize(const LocalizationMeasurement& answer,
+                               const OdometryEstimate& odometry) {
   const Pose T_map_odom = alignment_from(answer);
   if (chi_square(tilt_of(T_map_odom.R), alignment_covariance(answer), config_.map_tilt) >
       config_.tilt_gate_chi_square) {
@@ -46,7 +47,7 @@ bool MapBodyFilter::initialize(const AnswerMeasurement& answer, const OdometryEs
   P_.block<6, 6>(9, 9) += odometry.covariance.bottomRightCorner<6, 6>();
   map_hash_ = answer.map_hash;
   last_applied_ = answer.stamp;
-  rivals_.restart(answer);
+  hypotheses_.restart(answer);
   return true;
 }
 
@@ -64,7 +65,7 @@ void MapBodyFilter::propagate(const Preintegration& step, const DriftStep& drift
   P_.topRightCorner<15, 6>() = (F * P_.topRightCorner<15, 6>()).eval();
   P_.bottomLeftCorner<6, 15>() = P_.topRightCorner<15, 6>().transpose();
   P_.bottomRightCorner<6, 6>() += drift.covariance;
-  rivals_.drift(drift.covariance);
+  hypotheses_.drift(drift.covariance);
 }
 
 void MapBodyFilter::correct(const Pose& T_odom_body) {
@@ -78,29 +79,30 @@ void MapBodyFilter::correct(const Pose& T_odom_body) {
   update(local_coordinates(predicted, T_odom_body), H, clone_covariance(config_.noise));
 }
 
-AnswerOutcome MapBodyFilter::apply(const AnswerMeasurement& answer,
-                                   const OdometryEstimate& odometry) {
+LocalizationOutcome MapBodyFilter::apply(const LocalizationMeasurement& answer,
+                                         const OdometryEstimate& odometry) {
   if (!last_applied_) {
-    return initialize(answer, odometry) ? AnswerOutcome::kApplied : AnswerOutcome::kImplausibleTilt;
+    return initialize(answer, odometry) ? LocalizationOutcome::kApplied
+                                        : LocalizationOutcome::kImplausibleTilt;
   }
   if (answer.map_hash != map_hash_) {
-    return AnswerOutcome::kWrongMap;
+    return LocalizationOutcome::kWrongMap;
   }
   const Vector6d residual = local_coordinates(state_.T_odom_body, answer.T_map_body);
   const Matrix6d R = answer.covariance - clone_covariance(config_.noise);
   if (chi_square(residual, P_.topLeftCorner<6, 6>() + R) > config_.gate_chi_square) {
-    if (!rivals_.add(answer)) {
-      return AnswerOutcome::kGated;
+    if (!hypotheses_.add(answer)) {
+      return LocalizationOutcome::kGated;
     }
-    return initialize(answer, odometry) ? AnswerOutcome::kRestarted
-                                        : AnswerOutcome::kImplausibleTilt;
+    return initialize(answer, odometry) ? LocalizationOutcome::kRestarted
+                                        : LocalizationOutcome::kImplausibleTilt;
   }
   Matrix6x21d H = Matrix6x21d::Zero();
   H.leftCols<6>().setIdentity();
   update(residual, H, R);
   last_applied_ = answer.stamp;
-  rivals_.support(answer);
-  return AnswerOutcome::kApplied;
+  hypotheses_.support(answer);
+  return LocalizationOutcome::kApplied;
 }
 
 // P - K S K^T with K S = P H^T. The change of the tangent space by the correction is left out

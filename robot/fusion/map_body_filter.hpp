@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "robot/fusion/alignment_hypotheses.hpp"
 #include "robot/fusion/map_alignment.hpp"
-#include "robot/fusion/rival_alignments.hpp"
 #include "robot/inertial/preintegration.hpp"
 #include "shared/model/inertial.hpp"
 
@@ -27,20 +27,21 @@ class MapBodyFilter {
   void correct(const Pose& T_odom_body);
 
   /// The answer to the frame. The first one starts the filter at the odometry's state.
-  AnswerOutcome apply(const AnswerMeasurement& answer, const OdometryEstimate& odometry);
+  LocalizationOutcome apply(const LocalizationMeasurement& answer,
+                            const OdometryEstimate& odometry);
 
   /// In map where its names say odom; from the first applied answer on.
   [[nodiscard]] const NavState& state() const { return state_; }
   [[nodiscard]] Matrix15d covariance() const { return P_.topLeftCorner<15, 15>(); }
-  [[nodiscard]] std::optional<StartPose> start_pose() const;
+  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
-  [[nodiscard]] bool contradicted() const { return rivals_.contradict(); }
+  [[nodiscard]] bool contradicted() const { return hypotheses_.contradict(); }
 
  private:
   using Matrix21d = Eigen::Matrix<double, 21, 21>;
   using Matrix6x21d = Eigen::Matrix<double, 6, 21>;
 
-  bool initialize(const AnswerMeasurement& answer, const OdometryEstimate& odometry);
+  bool initialize(const LocalizationMeasurement& answer, const OdometryEstimate& odometry);
   void update(const Vector6d& residual, const Matrix6x21d& H, const Matrix6d& R);
 
   MapAlignment::Config config_;
@@ -49,7 +50,7 @@ class MapBodyFilter {
   NavState state_;
   Pose T_map_odom_;
   Matrix21d P_ = Matrix21d::Zero();
-  RivalAlignments rivals_;
+  AlignmentHypotheses hypotheses_;
 };
 
 }  // namespace fleetloc

@@ -3,31 +3,31 @@
 #include <numbers>
 #include <string>
 
-#include "robot/fusion/single_filter_fusion.hpp"
-#include "robot/fusion/two_block_fusion.hpp"
+#include "robot/fusion/coupled_fusion.hpp"
+#include "robot/fusion/decoupled_fusion.hpp"
 
 namespace fleetloc {
 namespace {
 
 PoseFusion::Formulation read_formulation(ConfigReader& section) {
   const auto text = section.get<std::string>("formulation");
-  if (text == "two_blocks") {
-    return PoseFusion::Formulation::kTwoBlocks;
+  if (text == "decoupled") {
+    return PoseFusion::Formulation::kDecoupled;
   }
-  if (text == "single_filter") {
-    return PoseFusion::Formulation::kSingleFilter;
+  if (text == "coupled") {
+    return PoseFusion::Formulation::kCoupled;
   }
-  throw ConfigError("fusion.formulation: must be two_blocks or single_filter, not '" + text + "'");
+  throw ConfigError("fusion.formulation: must be decoupled or coupled, not '" + text + "'");
 }
 
 }  // namespace
 
 std::unique_ptr<PoseFusion> make_pose_fusion(const ImuNoise& noise,
                                              const PoseFusion::Config& config) {
-  if (config.formulation == PoseFusion::Formulation::kSingleFilter) {
-    return std::make_unique<SingleFilterFusion>(noise, config);
+  if (config.formulation == PoseFusion::Formulation::kCoupled) {
+    return std::make_unique<CoupledFusion>(noise, config);
   }
-  return std::make_unique<TwoBlockFusion>(noise, config);
+  return std::make_unique<DecoupledFusion>(noise, config);
 }
 
 PoseFusion::Config read_pose_fusion_config(ConfigReader section) {

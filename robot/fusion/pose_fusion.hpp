@@ -8,8 +8,8 @@
 #include "robot/fusion/odometry_drift.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/core/ids.hpp"
-#include "shared/model/answer.hpp"
 #include "shared/model/inertial.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/model/session.hpp"
 
@@ -34,8 +34,8 @@ namespace fleetloc {
 class PoseFusion {
  public:
   enum class Formulation {
-    kTwoBlocks,     ///< TwoBlockFusion
-    kSingleFilter,  ///< SingleFilterFusion, the paper's
+    kDecoupled,  ///< DecoupledFusion
+    kCoupled,    ///< CoupledFusion, the paper's
   };
   struct Config {
     Formulation formulation{};
@@ -49,7 +49,7 @@ class PoseFusion {
   };
 
   /// What became of a measurement. Of odometry: "applied", "not_finite", "older_than_applied",
-  /// "before_imu". Of an answer: the names of AnswerOutcome, and
+  /// "before_imu". Of an answer: the names of LocalizationOutcome, and
   /// - "not_localized": it has no pose;
   /// - "not_finite", "bad_covariance": it cannot be used;
   /// - "wrong_session": it belongs to another start of the odometry;
@@ -75,7 +75,7 @@ class PoseFusion {
   virtual Verdict add_odometry(const OdometryEstimate& estimate) = 0;
 
   /// Answers in any order, repeated or not at all.
-  virtual Verdict add_answer(const Answer& answer) = 0;
+  virtual Verdict add_answer(const LocalizationResult& answer) = 0;
 
   /// The pose at a frame's stamp, by what is known now. Nothing unless odometry and IMU samples of
   /// the buffer cover the stamp: so add the sample after a frame first.
@@ -89,11 +89,11 @@ class PoseFusion {
   /// now on. Before the first call all do. Without `carried`, or if there never was an answer, so
   /// are T_map_odom and the map that it refers to. Otherwise T_map_odom becomes `carried` until the
   /// first answer that agrees with it.
-  virtual void reset(SessionNumber session, const std::optional<StartPose>& carried) = 0;
+  virtual void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) = 0;
 
   /// T_map_odom as it is now, to start a session of the cloud with; from the first applied answer
   /// on, also while lost. Where answers contradict it, its covariance reaches to what they say.
-  [[nodiscard]] virtual std::optional<StartPose> start_pose() const = 0;
+  [[nodiscard]] virtual std::optional<MapOdomEstimate> start_pose() const = 0;
 };
 
 std::unique_ptr<PoseFusion> make_pose_fusion(const ImuNoise& noise,

@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
     std::string initial_pose;
     std::string link;
     double duration = 0.0;
-    std::string codec = "full";
+    std::string encoding = "full";
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
@@ -52,7 +52,8 @@ int main(int argc, char** argv) {
         app.add_option("--initial-pose",
                        initial_pose,
                        "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-    app.add_option("--codec", codec, "encoding of the submaps")->check(CLI::IsMember({"full"}));
+    app.add_option("--encoding", encoding, "encoding of the submaps")
+        ->check(CLI::IsMember({"full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread

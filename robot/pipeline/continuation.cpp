@@ -30,14 +30,14 @@ void continue_from(const PoseEstimate& dead_reckoned, Initialization& initializa
   initialization.drift = A * dead_reckoned.covariance_odom * A.transpose();
 }
 
-StartPose continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body) {
+MapOdomEstimate continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body) {
   const Matrix6d A = adjoint(T_odom_body);
   return {.T_map_odom = *dead_reckoned.T_map_body * inverse(T_odom_body),
           .covariance = A * dead_reckoned.covariance_map * A.transpose(),
           .p_odom = T_odom_body.p};
 }
 
-StartPose continued_start(const StartPose& start, const PoseEstimate& dead_reckoned) {
+MapOdomEstimate continued_start(const MapOdomEstimate& start, const PoseEstimate& dead_reckoned) {
   const Matrix6d A = adjoint(dead_reckoned.T_odom_body);
   return {.T_map_odom = start.T_map_odom,
           .covariance = start.covariance + A * dead_reckoned.covariance_odom * A.transpose(),

@@ -12,9 +12,9 @@ void continue_from(const PoseEstimate& dead_reckoned, Initialization& initializa
 
 /// T_map_odom after continue_from, by a dead-reckoned pose that has a map pose; T_odom_body is the
 /// new odometry's of the same stamp.
-StartPose continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body);
+MapOdomEstimate continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body);
 
 /// The same for an odometry that never had a map pose: its start pose, grown by the drift since.
-StartPose continued_start(const StartPose& start, const PoseEstimate& dead_reckoned);
+MapOdomEstimate continued_start(const MapOdomEstimate& start, const PoseEstimate& dead_reckoned);
 
 }  // namespace fleetloc

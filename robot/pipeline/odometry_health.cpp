@@ -23,8 +23,8 @@ std::string_view name(ResetCause cause) {
       return "diverged";
     case ResetCause::kImplausibleBias:
       return "implausible_bias";
-    case ResetCause::kBlind:
-      return "blind";
+    case ResetCause::kVisionLost:
+      return "vision_lost";
     case ResetCause::kUncertain:
       return "uncertain";
   }
@@ -42,14 +42,15 @@ std::optional<ResetCause> OdometryHealth::check(const WindowEstimate& window) {
       !(bias.accelerometer.norm() <= config_.max_accelerometer_bias)) {
     return ResetCause::kImplausibleBias;
   }
-  if (!last_sighted_) last_sighted_ = newest.stamp;
+  if (!last_vision_update_) last_vision_update_ = newest.stamp;
   return std::nullopt;
 }
 
 std::optional<ResetCause> OdometryHealth::check(const FrameEstimator::Result& frame) {
   const OdometryEstimate& estimate = frame.estimate;
-  if (frame.sighted || !last_sighted_) last_sighted_ = estimate.stamp;
-  if (to_seconds(estimate.stamp - *last_sighted_) > config_.max_blind_s) return ResetCause::kBlind;
+  if (frame.vision_updated || !last_vision_update_) last_vision_update_ = estimate.stamp;
+  if (to_seconds(estimate.stamp - *last_vision_update_) > config_.max_vision_lost_s)
+    return ResetCause::kVisionLost;
   if (!(estimate.state.v_odom.norm() <= config_.max_speed)) return ResetCause::kDiverged;
   const Eigen::Array3d sigma = velocity_covariance(estimate).diagonal().array().sqrt();
   if (!(sigma <= config_.max_velocity_sigma).all()) return ResetCause::kUncertain;
@@ -57,7 +58,7 @@ std::optional<ResetCause> OdometryHealth::check(const FrameEstimator::Result& fr
 }
 
 OdometryHealth::Config read_odometry_health_config(ConfigReader section) {
-  return {.max_blind_s = section.positive("max_blind_s"),
+  return {.max_vision_lost_s = section.positive("max_vision_lost_s"),
           .max_velocity_sigma = section.positive("max_velocity_sigma"),
           .max_speed = section.positive("max_speed"),
           .max_gyroscope_bias = section.positive("max_gyroscope_bias"),

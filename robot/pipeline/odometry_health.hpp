@@ -14,7 +14,7 @@ enum class ResetCause {
   kImuGap,           ///< longer than preintegration can bridge
   kDiverged,         ///< an optimization failed, or a speed is beyond all reason
   kImplausibleBias,  ///< of the IMU: it explains what it should not
-  kBlind,            ///< no image has agreed with the inertial prediction for too long
+  kVisionLost,       ///< no image has agreed with the inertial prediction for too long
   kUncertain,        ///< the velocity is hardly known any more
 };
 
@@ -26,7 +26,7 @@ std::string_view name(ResetCause cause);
 class OdometryHealth {
  public:
   struct Config {
-    double max_blind_s = 0.0;             ///< without an image that the prediction agrees with
+    double max_vision_lost_s = 0.0;       ///< without an image that the prediction agrees with
     double max_velocity_sigma = 0.0;      ///< each axis [m/s]
     double max_speed = 0.0;               ///< [m/s]
     double max_gyroscope_bias = 0.0;      ///< [rad/s]
@@ -41,11 +41,11 @@ class OdometryHealth {
   std::optional<ResetCause> check(const FrameEstimator::Result& frame);
 
   /// The odometry starts anew.
-  void reset() { last_sighted_.reset(); }
+  void reset() { last_vision_update_.reset(); }
 
  private:
   Config config_;
-  std::optional<Timestamp> last_sighted_;
+  std::optional<Timestamp> last_vision_update_;
 };
 
 OdometryHealth::Config read_odometry_health_config(ConfigReader section);

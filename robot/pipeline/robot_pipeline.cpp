@@ -14,7 +14,7 @@ namespace {
 // Initializations look back less far than this.
 constexpr Duration kDeadReckonedFor = std::chrono::seconds(30);
 
-Duration longest_imu_step(const RobotPipeline::Config& config) {
+Duration max_imu_step(const RobotPipeline::Config& config) {
   return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
 }
 
@@ -37,7 +37,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       back_end_(back_end),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
-      gate_(longest_imu_step(config)),
+      gate_(max_imu_step(config)),
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
@@ -54,7 +54,7 @@ std::optional<PoseEstimate> RobotPipeline::add_imu(const ImuSample& sample) {
 }
 
 void RobotPipeline::take_imu(const ImuSample& sample) {
-  if (imu_samples_ > 0 && sample.stamp - latest_pose_.stamp > longest_imu_step(config_)) {
+  if (imu_samples_ > 0 && sample.stamp - latest_pose_.stamp > max_imu_step(config_)) {
     imu_ = ImuBuffer{};  // nothing may be integrated across
     ++faults_["imu_gaps"];
     if (initialization_) reset(ResetCause::kImuGap);
@@ -180,8 +180,8 @@ void RobotPipeline::initialize(const TrackedFrame& frame) {
 bool RobotPipeline::estimate(const TrackedFrame& frame) {
   const auto result = frame_estimator_.estimate(frame, imu_);
   if (!result) return false;
-  if (!result->sighted) ++faults_["blind_frames"];
-  if (result->contradicted) ++faults_["contradicted_frames"];
+  if (!result->vision_updated) ++faults_["vision_lost_frames"];
+  if (result->vision_inconsistent) ++faults_["vision_inconsistent_frames"];
   if (const auto cause = health_.check(*result)) {
     reset(*cause);
     return false;
@@ -252,7 +252,7 @@ void RobotPipeline::take_back_end(Timestamp now) {
 
 // The cloud will answer for this keyframe too, so fusion must know it.
 void RobotPipeline::fuse_first_window() {
-  std::optional<StartPose> carried;
+  std::optional<MapOdomEstimate> carried;
   if (continued_ && continued_->T_map_body) {
     carried = continued_alignment(*continued_, window_->keyframes.front().state.T_odom_body);
   }
@@ -263,8 +263,8 @@ void RobotPipeline::fuse_first_window() {
 
 void RobotPipeline::take_cloud(Timestamp now) {
   if (localizer_ == nullptr) return;
-  for (Answer& answer : localizer_->take_answers(now)) {
-    AnswerOutput output{.answer = std::move(answer), .arrival = now, .reason = {}};
+  for (LocalizationResult& answer : localizer_->take_answers(now)) {
+    LocalizationOutput output{.answer = std::move(answer), .arrival = now, .reason = {}};
     if (setup_.align_once && aligned_) {
       output.reason = "aligned_once";
     } else {
@@ -300,13 +300,13 @@ void RobotPipeline::start_session(Timestamp now) {
 }
 
 // Nothing before an answer was applied, nor where it was older than a gap in the IMU's data.
-std::optional<StartPose> RobotPipeline::known_start() const {
+std::optional<MapOdomEstimate> RobotPipeline::known_start() const {
   auto start = fusion_->start_pose();
   if (start) start->p_odom = window_->keyframes.back().state.T_odom_body.p;
   return start;
 }
 
-bool RobotPipeline::is_usable(const StartPose& start) const {
+bool RobotPipeline::is_usable(const MapOdomEstimate& start) const {
   if (resets_ == 0 && initialization_->T_first_newest) return true;  // as a person gave it
   const Matrix6d A = adjoint(inverse(window_->keyframes.back().state.T_odom_body));
   const Matrix6d covariance = A * start.covariance * A.transpose();
@@ -317,11 +317,11 @@ bool RobotPipeline::is_usable(const StartPose& start) const {
 
 // A person's start pose holds at the first image. Where the motion since then was not seen, only
 // its bounds are known.
-StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
+MapOdomEstimate RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
   const std::optional<Pose>& T_first_newest = initialization_->T_first_newest;
   if (T_first_newest && resets_ == 0) {
-    return start_pose_at(T_map_body_first * *T_first_newest, T_odom_body, config_.start);
+    return map_odom_estimate_at(T_map_body_first * *T_first_newest, T_odom_body, config_.start);
   }
   const ImuGapModel& bounds = config_.frame_estimator.noise.imu_gaps;
   const double t = to_seconds(newest_keyframe_ - *first_frame_);
@@ -329,7 +329,7 @@ StartPose RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   sigma.position_sigma_m = std::hypot(sigma.position_sigma_m, bounds.speed_sigma * t);
   sigma.yaw_sigma_rad = std::hypot(sigma.yaw_sigma_rad, bounds.turn_rate_sigma * t);
   sigma.tilt_sigma_rad = std::hypot(sigma.tilt_sigma_rad, bounds.turn_rate_sigma * t);
-  return start_pose_at(T_map_body_first, T_odom_body, sigma);
+  return map_odom_estimate_at(T_map_body_first, T_odom_body, sigma);
 }
 
 // From the gyroscope alone; nothing where the IMU has a gap.

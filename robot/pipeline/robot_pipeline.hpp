@@ -14,9 +14,9 @@
 #include "robot/fusion/pose_fusion.hpp"
 #include "robot/inertial/imu_buffer.hpp"
 #include "robot/pipeline/back_end.hpp"
-#include "robot/pipeline/input_gate.hpp"
+#include "robot/pipeline/input_validator.hpp"
+#include "robot/pipeline/map_odom_estimate.hpp"
 #include "robot/pipeline/odometry_health.hpp"
-#include "robot/pipeline/start_pose.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
@@ -52,8 +52,8 @@ struct FrameOutput {
 };
 
 /// What became of one answer of the cloud.
-struct AnswerOutput {
-  Answer answer;
+struct LocalizationOutput {
+  LocalizationResult answer;
   Timestamp arrival;
   bool applied = false;
   std::string_view reason;  ///< why not
@@ -84,7 +84,7 @@ class RobotPipeline {
                 CpuClock cpu_clock = {});
 
   /// The pose at the sample's stamp; nothing if the sample is refused, or has to be confirmed by
-  /// the next one (InputGate).
+  /// the next one (InputValidator).
   std::optional<PoseEstimate> add_imu(const ImuSample& sample);
 
   /// A frame is tracked as soon as the IMU covers its stamp. An image that is missing, or not as
@@ -102,7 +102,7 @@ class RobotPipeline {
 
   /// Each output is returned once, oldest first.
   std::vector<FrameOutput> take_frames() { return std::exchange(frames_, {}); }
-  std::vector<AnswerOutput> take_answers() { return std::exchange(answers_, {}); }
+  std::vector<LocalizationOutput> take_answers() { return std::exchange(answers_, {}); }
 
   [[nodiscard]] std::uint64_t submaps_built() const { return submaps_built_; }
   [[nodiscard]] std::uint64_t keyframes() const { return keyframes_; }
@@ -112,7 +112,7 @@ class RobotPipeline {
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] std::uint64_t resets() const { return resets_; }
   /// What was wrong with the input, and what came of it, by kind: "refused_...", "missing_images",
-  /// "wrong_images", frames that were "blind" or "contradicted", and "reset_..." by cause.
+  /// "wrong_images", frames that were "blind" or "vision_inconsistent", and "reset_..." by cause.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
@@ -134,9 +134,9 @@ class RobotPipeline {
   void take_cloud(Timestamp now);
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
-  [[nodiscard]] StartPose start_pose(const Pose& T_map_body_first) const;
-  [[nodiscard]] std::optional<StartPose> known_start() const;
-  [[nodiscard]] bool is_usable(const StartPose& start) const;
+  [[nodiscard]] MapOdomEstimate start_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] std::optional<MapOdomEstimate> known_start() const;
+  [[nodiscard]] bool is_usable(const MapOdomEstimate& start) const;
 
   RobotSetup setup_;
   Config config_;
@@ -145,7 +145,7 @@ class RobotPipeline {
   MapLocalizer* localizer_;
   CpuClock cpu_clock_;
 
-  InputGate gate_;
+  InputValidator gate_;
   FeatureTracker tracker_;
   Initializer initializer_;
   FrameEstimator frame_estimator_;
@@ -167,9 +167,9 @@ class RobotPipeline {
   std::shared_ptr<const WindowEstimate> window_;     // the latest
   std::map<Timestamp, PoseEstimate> dead_reckoned_;  // of the frames since a reset
   std::optional<PoseEstimate> continued_;  // dead-reckoned, at the oldest keyframe of a new start
-  std::optional<StartPose> start_;         // of the session
+  std::optional<MapOdomEstimate> start_;   // of the session
   std::vector<FrameOutput> frames_;
-  std::vector<AnswerOutput> answers_;
+  std::vector<LocalizationOutput> answers_;
   std::vector<Duration> back_end_cpu_;
   std::uint64_t submaps_built_ = 0;
   std::uint64_t corrections_applied_ = 0;
@@ -181,8 +181,8 @@ class RobotPipeline {
                                                   {"frames_in_imu_gaps", 0},
                                                   {"missing_images", 0},
                                                   {"wrong_images", 0},
-                                                  {"blind_frames", 0},
-                                                  {"contradicted_frames", 0},
+                                                  {"vision_lost_frames", 0},
+                                                  {"vision_inconsistent_frames", 0},
                                                   {"withheld_starts", 0}};
   Duration fusion_cpu_{};
 };

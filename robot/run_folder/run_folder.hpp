@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "shared/model/answer.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
 
 namespace fleetloc {

@@ -24,7 +24,7 @@ void RunRecorder::take(RobotPipeline& pipeline, const CloudClient::Traffic& traf
                        .keyframe = frame.keyframe,
                        .resets = frame.resets});
   }
-  for (const AnswerOutput& output : pipeline.take_answers()) {
+  for (const LocalizationOutput& output : pipeline.take_answers()) {
     folder_.add_answer({.stamp = output.answer.stamp,
                         .arrival = output.arrival,
                         .localizer = output.answer.localizer,

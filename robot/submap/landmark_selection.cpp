@@ -77,12 +77,12 @@ std::vector<const Candidate*> spread(const LandmarkSelection& selection,
 /// How many landmarks each image may still get.
 class Room {
  public:
-  Room(Images images, int most, const std::set<LandmarkId>& kept) {
+  Room(Images images, int max_observations, const std::set<LandmarkId>& kept) {
     for (const std::vector<StereoObservation>* image : images) {
-      left_.push_back(most - static_cast<int>(std::ranges::count_if(
-                                 *image, [&kept](const StereoObservation& one) {
-                                   return kept.contains(one.landmark);
-                                 })));
+      left_.push_back(max_observations - static_cast<int>(std::ranges::count_if(
+                                             *image, [&kept](const StereoObservation& one) {
+                                               return kept.contains(one.landmark);
+                                             })));
     }
   }
 

@@ -12,12 +12,12 @@ namespace {
 
 using Refusal = SparsificationRefusal;
 
-constexpr std::size_t kLeastKeyframes = 3;
+constexpr std::size_t kMinKeyframes = 3;
 constexpr int kPose = 6;
 constexpr int kSpeedBias = 9;
 
 // Smallest pivot of a matrix with unit diagonal at which it still counts as regular.
-constexpr double kLeastPivot = 1e-13;
+constexpr double kMinPivot = 1e-13;
 
 /// Solves with a positive definite matrix whose entries differ by many orders of magnitude: it is
 /// scaled to a unit diagonal first.
@@ -29,7 +29,7 @@ class ScaledCholesky {
     factor_.compute(scale_.asDiagonal() * matrix * scale_.asDiagonal());
     if (factor_.info() != Eigen::Success) return;
     const double pivot = factor_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
-    regular_ = pivot > kLeastPivot;
+    regular_ = pivot > kMinPivot;
   }
 
   [[nodiscard]] bool regular() const { return regular_; }
@@ -151,7 +151,7 @@ std::string_view name(SparsificationRefusal refusal) {
 }
 
 Sparsified<PoseInformation> pose_information(const InertialWindow& window, InertialModel model) {
-  if (window.states.size() < kLeastKeyframes) return Refusal::kTooFewKeyframes;
+  if (window.states.size() < kMinKeyframes) return Refusal::kTooFewKeyframes;
   if (window.between.size() + 1 != window.states.size()) return Refusal::kUnequalSizes;
   const Columns columns{static_cast<int>(window.states.size()), model};
   InertialInformation sum{Eigen::MatrixXd::Zero(columns.all(), columns.all()),

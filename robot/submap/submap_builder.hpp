@@ -58,8 +58,8 @@ class SubmapBuilder {
 
   explicit SubmapBuilder(const Config& config);
 
-  /// Robot, session, epoch and number are left to whoever sends it. Revisions start at one, and
-  /// increase when an item differs from what it was in the submap before.
+  /// Robot, session, incarnation and number are left to whoever sends it. Revisions start at one,
+  /// and increase when an item differs from what it was in the submap before.
   Submap build(const SubmapInput& input);
 
   [[nodiscard]] const Diagnostics& diagnostics() const { return diagnostics_; }

@@ -87,7 +87,7 @@ void find_candidates(Cell& cell, const cv::Mat& image, const CornerDetectionConf
     corner.response = shi_tomasi_score(image, cv::Point(corner.pt));
   }
   std::erase_if(corners, [&](const cv::KeyPoint& corner) {
-    return corner.response < static_cast<float>(config.least_score);
+    return corner.response < static_cast<float>(config.min_score);
   });
   std::stable_sort(corners.begin(), corners.end(), weaker);
 }
@@ -120,8 +120,8 @@ CornerDetectionConfig read_corner_detection_config(ConfigReader section) {
                                .columns = section.integer("columns", 1, 100),
                                .rows = section.integer("rows", 1, 100),
                                .fast_threshold = section.integer("fast_threshold", 1, 200),
-                               .least_score = section.positive("least_score"),
-                               .least_distance_px = section.positive("least_distance_px"),
+                               .min_score = section.positive("min_score"),
+                               .min_distance_px = section.positive("min_distance_px"),
                                .margin_px = section.integer("margin_px", 0, 200)};
   config.refill_below = std::min(config.refill_below, config.features);
   return config;
@@ -134,15 +134,15 @@ std::vector<cv::Point2f> detect_corners(const cv::Mat& image,
   auto cells = make_grid(image.size(), config);
   count_present(cells, present);
   const int cell_count = config.columns * config.rows;
-  const int most = (config.features + cell_count - 1) / cell_count;
+  const int max_features = (config.features + cell_count - 1) / cell_count;
   for (auto& cell : cells) {
-    if (cell.features < most) find_candidates(cell, image, config);
+    if (cell.features < max_features) find_candidates(cell, image, config);
   }
   std::vector<cv::Point2f> taken = present;
-  for (int features = 0; features < most; ++features) {  // emptiest cells first
+  for (int features = 0; features < max_features; ++features) {  // emptiest cells first
     for (auto& cell : cells) {
       if (taken.size() >= static_cast<std::size_t>(config.features)) break;
-      if (cell.features == features) take_best(cell, taken, config.least_distance_px);
+      if (cell.features == features) take_best(cell, taken, config.min_distance_px);
     }
   }
   return {taken.begin() + static_cast<std::ptrdiff_t>(present.size()), taken.end()};

@@ -9,14 +9,14 @@
 namespace fleetloc {
 
 struct CornerDetectionConfig {
-  int features;              ///< wanted in an image
-  int refill_below;          ///< nothing is detected while there are as many
-  int columns;               ///< of the grid over which features are spread
-  int rows;                  ///< of the same
-  int fast_threshold;        ///< gray values by which a corner stands out
-  double least_score;        ///< smaller eigenvalue of the mean gradient products [gray^2 / px^2]
-  double least_distance_px;  ///< between two features
-  int margin_px;             ///< of the image in which there are no features
+  int features;            ///< wanted in an image
+  int refill_below;        ///< nothing is detected while there are as many
+  int columns;             ///< of the grid over which features are spread
+  int rows;                ///< of the same
+  int fast_threshold;      ///< gray values by which a corner stands out
+  double min_score;        ///< smaller eigenvalue of the mean gradient products [gray^2 / px^2]
+  double min_distance_px;  ///< between two features
+  int margin_px;           ///< of the image in which there are no features
 };
 
 CornerDetectionConfig read_corner_detection_config(ConfigReader section);

@@ -142,7 +142,7 @@ void FeatureTracker::keep_rigid(std::vector<Track> followed,
 
 /// Two features that ran into one another are one; the older stays.
 bool FeatureTracker::is_taken(const cv::Point2f& pixel) const {
-  const double distance = 0.5 * config_.corners.least_distance_px;
+  const double distance = 0.5 * config_.corners.min_distance_px;
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
     return cv::norm(track.left - pixel) < distance;
   });

@@ -135,13 +135,13 @@ std::vector<std::size_t> inliers_with_depth(const Problem& problem, const Pose& 
 }
 
 /// Hypotheses after which one of only inliers was drawn with kConfidence.
-int hypotheses_needed(std::size_t inliers, std::size_t points, int sample, int most) {
+int hypotheses_needed(std::size_t inliers, std::size_t points, int sample, int max) {
   const double share = static_cast<double>(inliers) / static_cast<double>(points);
   const double good = std::pow(share, sample);
   if (good > kConfidence) return 1;
-  if (good < 1e-6) return most;
+  if (good < 1e-6) return max;
   const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - good);
-  return static_cast<int>(std::min(std::ceil(needed), static_cast<double>(most)));
+  return static_cast<int>(std::min(std::ceil(needed), static_cast<double>(max)));
 }
 
 /// The first hypothesis is that most points are good; then three points at a time.
@@ -168,7 +168,7 @@ Pose estimate_motion(const Problem& problem) {
 Pose search_direction(const Problem& problem) {
   const std::size_t count = problem.correspondences.size();
   Pose best = problem.prediction;
-  std::size_t most_inliers = 0;
+  std::size_t max_inliers = 0;
   if (count < 2) return best;
   std::mt19937 random(kSeed);
   int needed = problem.config.hypotheses;
@@ -181,11 +181,11 @@ Pose search_direction(const Problem& problem) {
                         [&](const Correspondence& c) {
                           return distance_of_ray(problem, c, T) < problem.config.inlier_px;
                         }));
-      if (inliers <= most_inliers) continue;
-      most_inliers = inliers;
+      if (inliers <= max_inliers) continue;
+      max_inliers = inliers;
       best = T;
     }
-    needed = hypotheses_needed(most_inliers, count, 2, problem.config.hypotheses);
+    needed = hypotheses_needed(max_inliers, count, 2, problem.config.hypotheses);
   }
   return best;
 }
@@ -195,7 +195,7 @@ Pose search_direction(const Problem& problem) {
 MotionCheckConfig read_motion_check_config(ConfigReader section) {
   return {.inlier_px = section.positive("inlier_px"),
           .hypotheses = section.integer("hypotheses", 1, 10000),
-          .least_points = section.integer("least_points", 3, 1000),
+          .min_points = section.integer("min_points", 3, 1000),
           .nearest_m = section.positive("nearest_m"),
           .rotation_sigma_rad = section.positive("rotation_sigma_rad"),
           .translation_sigma_m = section.positive("translation_sigma_m")};
@@ -210,8 +210,7 @@ CheckedMotion check_motion(const std::vector<Correspondence>& correspondences,
     if (correspondences[i].disparity > 0.0) problem.with_depth.push_back(i);
   }
   CheckedMotion result;
-  result.has_translation =
-      problem.with_depth.size() >= static_cast<std::size_t>(config.least_points);
+  result.has_translation = problem.with_depth.size() >= static_cast<std::size_t>(config.min_points);
   const Pose T = result.has_translation ? estimate_motion(problem) : search_direction(problem);
   for (const auto& c : correspondences) {
     result.distances_px.push_back(distance(problem, c, T, result.has_translation));

@@ -13,7 +13,7 @@ namespace fleetloc {
 struct MotionCheckConfig {
   double inlier_px;           ///< largest distance from where the motion of the camera puts a point
   int hypotheses;             ///< of the motion, at most
-  int least_points;           ///< with a depth, to estimate a motion with a scale
+  int min_points;             ///< with a depth, to estimate a motion with a scale
   double nearest_m;           ///< no point is nearer
   double rotation_sigma_rad;  ///< of the predicted rotation
   double translation_sigma_m;  ///< of the predicted translation

@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLeastTexture = 1e-3;  // smallest eigenvalue of a window's gradients, as OpenCV's
+constexpr double kMinTexture = 1e-3;  // smallest eigenvalue of a window's gradients, as OpenCV's
 
 std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
                                         const ImagePyramid& to,
@@ -27,7 +27,7 @@ std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
                            config.levels,
                            criteria,
                            cv::OPTFLOW_USE_INITIAL_FLOW,
-                           kLeastTexture);
+                           kMinTexture);
   return found;
 }
 

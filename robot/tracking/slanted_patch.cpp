@@ -8,9 +8,9 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kMostRadius = 10;
-constexpr float kLeastTexture = 100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
-constexpr std::size_t kMostPixels = (2 * kMostRadius + 1) * (2 * kMostRadius + 1);
+constexpr int kMaxRadius = 10;
+constexpr float kMinTexture = 100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
+constexpr std::size_t kMaxPixels = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
 
 /// Bilinear; the pixel and its next ones must lie in the image.
 float sampled(const cv::Mat& image, float x, float y) {
@@ -39,8 +39,8 @@ using Unknowns = Eigen::Vector4f;
 
 /// A patch of the first image, with what each of its pixels says of the unknowns.
 struct Template {
-  std::array<float, kMostPixels> gray{};
-  std::array<Unknowns, kMostPixels> J;
+  std::array<float, kMaxPixels> gray{};
+  std::array<Unknowns, kMaxPixels> J;
   Eigen::Matrix4f H = Eigen::Matrix4f::Zero();
 
   Template(const cv::Mat& image,
@@ -92,10 +92,10 @@ std::optional<Unknowns> gradient_at(const Template& patch,
 }  // namespace
 
 SlantedPatchConfig read_slanted_patch_config(ConfigReader section) {
-  return {.radius_px = section.integer("radius_px", 2, kMostRadius),
+  return {.radius_px = section.integer("radius_px", 2, kMaxRadius),
           .iterations = section.integer("iterations", 1, 100),
           .converged_px = section.positive("converged_px"),
-          .most_px = section.positive("most_px"),
+          .max_px = section.positive("max_px"),
           .gray_sigma = section.positive("gray_sigma")};
 }
 
@@ -108,7 +108,7 @@ std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
   const int radius = config.radius_px;
   if (!is_inside(from, point, static_cast<float>(radius + 1))) return std::nullopt;
   const Template patch(from, point, direction, radius);
-  if (patch.H(0, 0) < kLeastTexture) return std::nullopt;
+  if (patch.H(0, 0) < kMinTexture) return std::nullopt;
   const auto slope_weight = static_cast<float>(std::pow(config.gray_sigma / slope_sigma, 2));
   Eigen::Matrix4f H = patch.H;
   H(1, 1) += slope_weight;
@@ -121,7 +121,7 @@ std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
     g->segment<2>(1) += slope_weight * now.segment<2>(1);
     const Unknowns step = solver.solve(*g);
     now -= step;
-    if (!(std::abs(now[0]) <= static_cast<float>(config.most_px))) return std::nullopt;
+    if (!(std::abs(now[0]) <= static_cast<float>(config.max_px))) return std::nullopt;
     if (std::abs(step[0]) >= static_cast<float>(config.converged_px)) continue;
     return cv::Point2f(start.x + now[0] * direction.x(), start.y + now[0] * direction.y());
   }

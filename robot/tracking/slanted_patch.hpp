@@ -14,7 +14,7 @@ struct SlantedPatchConfig {
   int radius_px;        ///< of the square that is matched
   int iterations;       ///< at most
   double converged_px;  ///< step below which they end
-  double most_px;       ///< from the start; farther it is another place
+  double max_px;        ///< from the start; farther it is another place
   double gray_sigma;    ///< of what remains between the two images
 };
 

@@ -57,9 +57,9 @@ StereoMatchingConfig read_stereo_matching_config(ConfigReader section) {
   return {.levels = section.integer("levels", 0, 6),
           .round_trip_px = section.positive("round_trip_px"),
           .row_error_px = section.positive("row_error_px"),
-          .least_disparity_px = section.positive("least_disparity_px"),
+          .min_disparity_px = section.positive("min_disparity_px"),
           .nearest_m = section.positive("nearest_m"),
-          .least_correlation = section.positive("least_correlation"),
+          .min_correlation = section.positive("min_correlation"),
           .slant_sigma = section.positive("slant_sigma")};
 }
 
@@ -72,7 +72,7 @@ StereoMatcher::StereoMatcher(const RectifiedStereo& stereo,
       flow_(flow),
       slanted_(slanted),
       config_(config),
-      most_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m),
+      max_disparity_px_(stereo.focal_px * stereo.baseline_m / config.nearest_m),
       focal_px_(stereo.focal_px) {
   flow_.levels = config.levels;
   flow_.round_trip_px = config.round_trip_px;
@@ -87,8 +87,8 @@ double StereoMatcher::search(const ImagePyramid& left,
   if (!wanted) return 0.0;
   const double step_px = 1 << level;
   double best_disparity = 0.0;
-  auto best_correlation = static_cast<float>(config_.least_correlation);
-  const int steps = static_cast<int>(most_disparity_px_ / step_px);
+  auto best_correlation = static_cast<float>(config_.min_correlation);
+  const int steps = static_cast<int>(max_disparity_px_ / step_px);
   for (int step = 0; step < steps; ++step) {
     const double disparity = (step + 0.5) * step_px;
     const auto pixel = right_camera_.distort(query.rectified - Eigen::Vector2d(disparity, 0.0));
@@ -113,7 +113,7 @@ cv::Point2f StereoMatcher::refined(const ImagePyramid& left,
   const auto further = right_camera_.distort(*rectified + Eigen::Vector2d::UnitX());
   if (!further) return match;
   const double disparity = query.rectified.x() - rectified->x();
-  if (disparity < config_.least_disparity_px) return match;
+  if (disparity < config_.min_disparity_px) return match;
   const Eigen::Vector2f along(further->x - match.x, further->y - match.y);
   // On a plane through a point the disparity changes by its share of the focal length, times the
   // tangent of the slant, per pixel.
@@ -148,8 +148,8 @@ std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
     if (!rectified) continue;
     const Eigen::Vector2d difference = queries[indices[k]].rectified - *rectified;
     const bool plausible = std::abs(difference.y()) <= config_.row_error_px &&
-                           difference.x() >= config_.least_disparity_px &&
-                           difference.x() <= most_disparity_px_;
+                           difference.x() >= config_.min_disparity_px &&
+                           difference.x() <= max_disparity_px_;
     if (plausible) matches[indices[k]] = {difference.x(), -difference.y()};
   }
   return matches;

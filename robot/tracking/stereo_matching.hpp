@@ -10,13 +10,13 @@
 namespace fleetloc {
 
 struct StereoMatchingConfig {
-  int levels;                 ///< of the pyramids, for a start at a predicted disparity
-  double round_trip_px;       ///< left to right and back again
-  double row_error_px;        ///< largest difference of the rectified rows
-  double least_disparity_px;  ///< farther points count as not seen by the right camera
-  double nearest_m;           ///< no point is nearer
-  double least_correlation;   ///< of the search without a prediction, 0 to 1
-  double slant_sigma;         ///< tangent of the angle by which a surface does not face the camera
+  int levels;               ///< of the pyramids, for a start at a predicted disparity
+  double round_trip_px;     ///< left to right and back again
+  double row_error_px;      ///< largest difference of the rectified rows
+  double min_disparity_px;  ///< farther points count as not seen by the right camera
+  double nearest_m;         ///< no point is nearer
+  double min_correlation;   ///< of the search without a prediction, 0 to 1
+  double slant_sigma;       ///< tangent of the angle by which a surface does not face the camera
 };
 
 StereoMatchingConfig read_stereo_matching_config(ConfigReader section);
@@ -64,7 +64,7 @@ class StereoMatcher {
   OpticalFlowConfig flow_;
   SlantedPatchConfig slanted_;
   StereoMatchingConfig config_;
-  double most_disparity_px_;
+  double max_disparity_px_;
   double focal_px_;
 };
 

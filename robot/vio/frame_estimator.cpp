@@ -184,10 +184,12 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
       result.outliers = std::move(refinement.outliers);
       const auto outliers = static_cast<int>(result.outliers.size());
       result.correction_chi_square = refinement.correction_chi_square;
-      result.contradicted = !(result.correction_chi_square <= config_.max_correction_chi_square) ||
-                            outliers > config_.max_outlier_share * result.tracked;
-      result.sighted = !result.contradicted && result.tracked - outliers >= config_.min_tracked;
-      if (result.sighted) local = refinement.state;
+      result.vision_inconsistent =
+          !(result.correction_chi_square <= config_.max_correction_chi_square) ||
+          outliers > config_.max_outlier_share * result.tracked;
+      result.vision_updated =
+          !result.vision_inconsistent && result.tracked - outliers >= config_.min_tracked;
+      if (result.vision_updated) local = refinement.state;
     }
     result.estimate.state = local.state;
     result.estimate.covariance =
@@ -195,8 +197,8 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
   }
   // Without images, or against them, the window has nothing to gain.
   const bool useful = static_cast<int>(frame.observations.size()) >= config_.min_tracked;
-  result.wants_keyframe =
-      useful && !result.contradicted && wants_keyframe(frame, result.estimate.state.T_odom_body.R);
+  result.wants_keyframe = useful && !result.vision_inconsistent &&
+                          wants_keyframe(frame, result.estimate.state.T_odom_body.R);
   return result;
 }
 

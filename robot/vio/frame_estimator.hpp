@@ -33,11 +33,13 @@ class FrameEstimator {
     bool wants_keyframe = false;
     int tracked = 0;                   ///< observations of known landmarks
     std::vector<LandmarkId> outliers;  ///< of these, given up by the refinement; increasing
-    bool sighted = false;  ///< vision refined the prediction; false: the estimate is inertial alone
+    bool vision_updated =
+        false;  ///< vision refined the prediction; false: the estimate is inertial alone
     /// Of what vision would correct; beyond the limit the images show something else than the
     /// motion that the IMU felt, e.g. an image of long ago.
     double correction_chi_square = 0.0;
-    bool contradicted = false;  ///< it was beyond the limit, or too many landmarks were outliers
+    bool vision_inconsistent =
+        false;  ///< it was beyond the limit, or too many landmarks were outliers
   };
 
   FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config);

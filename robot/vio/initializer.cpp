@@ -6,7 +6,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kLeastKeyframes = 4;
+constexpr std::size_t kMinKeyframes = 4;
 
 // The IMU of one keyframe interval from those of its frames, which share their end samples.
 void append_samples(const std::vector<ImuSample>& more, std::vector<ImuSample>& samples) {
@@ -75,8 +75,8 @@ void Initializer::start_over() {
 // Backwards from the newest frame, which must be one.
 std::vector<std::size_t> Initializer::choose_keyframes() const {
   std::vector<std::size_t> chosen{frames_.size() - 1};
-  const auto most = static_cast<std::size_t>(config_.window.keyframes);
-  for (std::size_t i = frames_.size() - 1; i-- > 0 && chosen.size() < most;) {
+  const auto max_frames = static_cast<std::size_t>(config_.window.keyframes);
+  for (std::size_t i = frames_.size() - 1; i-- > 0 && chosen.size() < max_frames;) {
     const Duration since = frames_[chosen.back()].frame.stamp - frames_[i].frame.stamp;
     if (to_seconds(since) >= config_.keyframe_interval_s) {
       chosen.push_back(i);
@@ -88,7 +88,7 @@ std::vector<std::size_t> Initializer::choose_keyframes() const {
 
 std::optional<Initialization> Initializer::align() {
   const std::vector<std::size_t> chosen = choose_keyframes();
-  if (chosen.size() < kLeastKeyframes) {
+  if (chosen.size() < kMinKeyframes) {
     return std::nullopt;
   }
   Initialization result;

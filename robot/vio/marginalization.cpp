@@ -17,9 +17,9 @@ constexpr double kRoundOff = 1e-14;  // of a diagonal's largest element
 
 // D with ones on the diagonal of D H D, zeros where H has nothing but round-off.
 Eigen::VectorXd diagonal_scale(const Eigen::MatrixXd& H) {
-  const double least = kRoundOff * H.diagonal().maxCoeff();
+  const double min_value = kRoundOff * H.diagonal().maxCoeff();
   return H.diagonal().unaryExpr(
-      [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
+      [min_value](double value) { return value > min_value ? 1.0 / std::sqrt(value) : 0.0; });
 }
 
 }  // namespace
@@ -85,9 +85,9 @@ NormalEquations without_leading(const NormalEquations& system, Eigen::Index coun
   const Eigen::VectorXd scale = diagonal_scale(system.H.topLeftCorner(count, count));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
       scale.asDiagonal() * system.H.topLeftCorner(count, count) * scale.asDiagonal());
-  const double least = kUnknown * eigen.eigenvalues()(count - 1);
+  const double min_value = kUnknown * eigen.eigenvalues()(count - 1);
   const Eigen::VectorXd inverse_roots = eigen.eigenvalues().unaryExpr(
-      [least](double value) { return value > least ? 1.0 / std::sqrt(value) : 0.0; });
+      [min_value](double value) { return value > min_value ? 1.0 / std::sqrt(value) : 0.0; });
   // H_mm^-1 = W W^T
   const Eigen::MatrixXd W = scale.asDiagonal() * eigen.eigenvectors() * inverse_roots.asDiagonal();
   const Eigen::MatrixXd K = system.H.bottomLeftCorner(rest, count) * W;

@@ -38,8 +38,8 @@ std::optional<Eigen::Vector3d> intersect(std::span<const Sight> sights,
     b += P * T_odom_cam0.p;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A);
-  const double least_angle = min_parallax_px / stereo.focal_px;
-  if (eigen.eigenvalues()(0) < 0.5 * least_angle * least_angle) {
+  const double min_angle = min_parallax_px / stereo.focal_px;
+  if (eigen.eigenvalues()(0) < 0.5 * min_angle * min_angle) {
     return std::nullopt;
   }
   return A.ldlt().solve(b);

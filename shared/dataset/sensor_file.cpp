@@ -132,13 +132,13 @@ ImuFile read_imu_file(const std::filesystem::path& file) {
 }
 
 LidarCalibration read_lidar_file(const std::filesystem::path& file) {
-  constexpr int kMostColumns = 65536;
-  constexpr int kMostRings = 256;
+  constexpr int kMaxColumns = 65536;
+  constexpr int kMaxRings = 256;
   return read(file, [](ConfigReader& reader) {
     return LidarCalibration{.T_body_lidar = read_pose_on_rig(reader),
                             .rate_hz = reader.positive("rate_hz"),
-                            .columns = reader.integer("columns", 1, kMostColumns),
-                            .rings = reader.integer("rings", 1, kMostRings)};
+                            .columns = reader.integer("columns", 1, kMaxColumns),
+                            .rings = reader.integer("rings", 1, kMaxRings)};
   });
 }
 

@@ -32,9 +32,9 @@ Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& H) {
   // The least eigenvalue by the greatest is at least this.
   if (H.determinant() > kRegular * std::pow(H.trace(), 3)) return H.inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
-  const double least = kSingular * eigen.eigenvalues()(2);
+  const double min_eigenvalue = kSingular * eigen.eigenvalues()(2);
   const Eigen::Vector3d inverse = eigen.eigenvalues().unaryExpr(
-      [least](double value) { return value > least ? 1.0 / value : 0.0; });
+      [min_eigenvalue](double value) { return value > min_eigenvalue ? 1.0 / value : 0.0; });
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -51,9 +51,9 @@ bool PosePriorFactor::Evaluate(const double* const* parameters,
 
 Matrix6d square_root(const Matrix6d& information, double relative_threshold) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  const double least = relative_threshold * eigen.eigenvalues()(5);
+  const double min_eigenvalue = relative_threshold * eigen.eigenvalues()(5);
   const Vector6d roots = eigen.eigenvalues().unaryExpr(
-      [least](double value) { return value > least ? std::sqrt(value) : 0.0; });
+      [min_eigenvalue](double value) { return value > min_eigenvalue ? std::sqrt(value) : 0.0; });
   return roots.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -7,8 +7,8 @@ namespace {
 
 // A point nearer than this in front of the camera, or behind it, cannot be projected. It gets the
 // residual of kBehind pixels and no gradient: the optimizer turns back, and outlier tests find it.
-constexpr double kLeastDepth = 0.01;  // [m]
-constexpr double kBehind = 500.0;     // [px]
+constexpr double kMinDepth = 0.01;  // [m]
+constexpr double kBehind = 500.0;   // [px]
 
 struct CameraPoint {
   Eigen::Matrix3d R_world_body;
@@ -89,7 +89,7 @@ void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
               Eigen::Map<Eigen::Matrix<double, Rows, 1>> residual,
               double** jacobians) {
   CameraPoint point = camera_point(parameters[0], parameters[1], setup.camera);
-  if (point.p_cam0.z() < kLeastDepth) {
+  if (point.p_cam0.z() < kMinDepth) {
     residual.setConstant(kBehind * setup.inverse_sigma);
     if (jacobians != nullptr) {
       set_jacobians_zero<Rows>(jacobians);
@@ -103,7 +103,7 @@ void evaluate(const Eigen::Matrix<double, Rows, 1>& measured,
   }
   if (setup.first_estimate != nullptr) {
     point = camera_point(setup.first_estimate->data(), parameters[1], setup.camera);
-    if (point.p_cam0.z() < kLeastDepth) {
+    if (point.p_cam0.z() < kMinDepth) {
       set_jacobians_zero<Rows>(jacobians);
       return;
     }

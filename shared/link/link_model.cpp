@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLargestDelaySeconds = 3600.0;
 constexpr double kLargestRateBytesPerSecond = 1e12;
-constexpr int kLeastQueueBytes = 1500;  // one datagram of Ethernet
+constexpr int kMinQueueBytes = 1500;  // one datagram of Ethernet
 constexpr int kLargestQueueBytes = 1 << 30;
 
 // Reads the directions of a link, and names them in its errors.
@@ -29,18 +29,18 @@ class DirectionReader {
     if (limited && direction.rate_bytes_per_s < 1.0) {
       throw ConfigError(name_ + ".rate_bytes_per_s: must be 0 (unlimited) or at least 1");
     }
-    const int least_queue = limited ? kLeastQueueBytes : 0;
+    const int min_queue = limited ? kMinQueueBytes : 0;
     direction.queue_bytes =
-        static_cast<std::size_t>(config_.integer("queue_bytes", least_queue, kLargestQueueBytes));
+        static_cast<std::size_t>(config_.integer("queue_bytes", min_queue, kLargestQueueBytes));
     return direction;
   }
 
  private:
-  double number(const std::string& key, double most) {
+  double number(const std::string& key, double max) {
     const auto value = config_.get<double>(key);
-    const bool valid = value >= 0.0 && value <= most;  // false for NaN
+    const bool valid = value >= 0.0 && value <= max;  // false for NaN
     if (valid) return value;
-    throw ConfigError(name_ + "." + key + ": must be in 0.." + std::to_string(most));
+    throw ConfigError(name_ + "." + key + ": must be in 0.." + std::to_string(max));
   }
 
   ConfigReader config_;

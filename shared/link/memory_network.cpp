@@ -151,7 +151,7 @@ class MemoryNetwork::State {
       if (transfer(next->key.first, next->receiver, last.message, next->time)) {
         last.next_attempt.erase(next->receiver);
       } else {
-        last.next_attempt[next->receiver] = next->time + kRepetition;
+        last.next_attempt[next->receiver] = next->time + kRetransmission;
       }
     }
   }

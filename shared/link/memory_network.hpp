@@ -22,7 +22,7 @@ namespace fleetloc {
 class MemoryNetwork {
  public:
   /// As the writers of session and localizer status in qos_profiles/.
-  static constexpr Duration kRepetition = std::chrono::seconds(1);
+  static constexpr Duration kRetransmission = std::chrono::seconds(1);
 
   explicit MemoryNetwork(const LinkConfig& link);
 

@@ -31,7 +31,7 @@ struct Correction {
   RobotId robot;
   SessionNumber session{};
   std::string localizer;
-  Epoch epoch{};
+  Incarnation incarnation{};
   KeyframeId anchor{};                       ///< newest keyframe of the answer that this belongs to
   std::vector<RelativePose> relative_poses;  ///< strictly increasing by `to`
   std::vector<Landmark> landmarks;           ///< strictly increasing by id

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "shared/core/time.hpp"
-#include "shared/model/answer.hpp"
 #include "shared/model/correction.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
 
@@ -27,7 +27,7 @@ class MapLocalizer {
   virtual void submit(Submap submap, Timestamp now) = 0;
 
   /// What has arrived until `now`, oldest first; each answer is returned once.
-  [[nodiscard]] virtual std::vector<Answer> take_answers(Timestamp now) = 0;
+  [[nodiscard]] virtual std::vector<LocalizationResult> take_answers(Timestamp now) = 0;
 
   /// The newest correction of the session that had arrived when answers were last taken, once.
   [[nodiscard]] virtual std::optional<Correction> take_correction() = 0;
@@ -36,7 +36,7 @@ class MapLocalizer {
   virtual void note_applied() = 0;
 
   /// The session's start pose, as it is known now: what another localizer would begin with.
-  virtual void update_start(const StartPose& start) = 0;
+  virtual void update_start(const MapOdomEstimate& start) = 0;
 };
 
 }  // namespace fleetloc

@@ -1,4 +1,4 @@
-#include "shared/model/answer.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
 
 namespace fleetloc {

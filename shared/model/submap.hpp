@@ -43,7 +43,7 @@ struct SubmapLandmark {
 struct Submap {
   RobotId robot;
   SessionNumber session{};
-  Epoch epoch{};                          ///< of the localizer that is to count it
+  Incarnation incarnation{};              ///< of the localizer that is to count it
   SampleNumber number{};                  ///< +1 per sample sent
   std::vector<SubmapKeyframe> keyframes;  ///< oldest first, strictly increasing by id; not empty
   std::vector<VirtualEdge> edges;         ///< strictly increasing by `to`

@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMostLosers = 4;
+constexpr std::size_t kMaxSuperseded = 4;
 
 }  // namespace
 
@@ -16,7 +16,8 @@ SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp
   const auto known = robots_.find(session.robot);
   if (known == robots_.end()) {
     make_room();
-    robots_[session.robot] = {.current = announced, .accepted = now, .heard = now, .losers = {}};
+    robots_[session.robot] = {
+        .current = announced, .accepted = now, .heard = now, .superseded = {}};
     return SessionVerdict::kReplaces;
   }
   Robot& robot = known->second;
@@ -26,11 +27,12 @@ SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp
   }
   const bool wins =
       announced.is_later_than(robot.current) || to_seconds(now - robot.heard) > config_.silence_s;
-  const Session loser = wins ? robot.current : announced;
-  if (std::ranges::find(robot.losers, loser) == robot.losers.end()) robot.losers.push_back(loser);
-  if (robot.losers.size() > kMostLosers) robot.losers.pop_front();
-  if (!wins) return verdict_on_loser(robot, announced, now);
-  std::erase(robot.losers, announced);
+  const Session superseded = wins ? robot.current : announced;
+  if (std::ranges::find(robot.superseded, superseded) == robot.superseded.end())
+    robot.superseded.push_back(superseded);
+  if (robot.superseded.size() > kMaxSuperseded) robot.superseded.pop_front();
+  if (!wins) return verdict_on_superseded(robot, announced, now);
+  std::erase(robot.superseded, announced);
   robot.current = announced;
   robot.accepted = now;
   robot.heard = now;
@@ -45,9 +47,9 @@ SessionVerdict SessionRegister::submap(const RobotId& id, SessionNumber session,
     robot.heard = now;
     return SessionVerdict::kCurrent;
   }
-  const auto loser = std::ranges::find(robot.losers, session, &Session::number);
-  if (loser == robot.losers.end()) return SessionVerdict::kUnknown;
-  return verdict_on_loser(robot, *loser, now);
+  const auto superseded = std::ranges::find(robot.superseded, session, &Session::number);
+  if (superseded == robot.superseded.end()) return SessionVerdict::kUnknown;
+  return verdict_on_superseded(robot, *superseded, now);
 }
 
 SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now) {
@@ -60,20 +62,20 @@ SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now)
     return SessionVerdict::kCurrent;
   }
   if (session.is_later_than(robot.current)) return SessionVerdict::kUnknown;
-  return verdict_on_loser(robot, session, now);
+  return verdict_on_superseded(robot, session, now);
 }
 
 // A robot that resets its odometry leaves a session behind without another robot being there.
-SessionVerdict SessionRegister::verdict_on_loser(const Robot& robot,
-                                                 const Session& loser,
-                                                 Timestamp now) const {
+SessionVerdict SessionRegister::verdict_on_superseded(const Robot& robot,
+                                                      const Session& superseded,
+                                                      Timestamp now) const {
   const bool settled = to_seconds(now - robot.accepted) > config_.settling_s;
-  const bool other_robot = loser.start_stamp != robot.current.start_stamp;
+  const bool other_robot = superseded.start_stamp != robot.current.start_stamp;
   return settled && other_robot ? SessionVerdict::kConflict : SessionVerdict::kOutdated;
 }
 
 void SessionRegister::make_room() {
-  if (robots_.size() < config_.most_robots) return;
+  if (robots_.size() < config_.max_robots) return;
   robots_.erase(
       std::ranges::min_element(robots_, {}, [](const auto& item) { return item.second.heard; }));
 }
@@ -97,7 +99,7 @@ std::string_view name(SessionVerdict verdict) {
 SessionRegister::Config read_session_register_config(ConfigReader config) {
   return {.settling_s = config.positive("settling_s"),
           .silence_s = config.positive("silence_s"),
-          .most_robots = static_cast<std::size_t>(config.integer("most_robots", 1, 1'000'000))};
+          .max_robots = static_cast<std::size_t>(config.integer("max_robots", 1, 1'000'000))};
 }
 
 }  // namespace fleetloc

@@ -26,16 +26,17 @@ enum class SessionVerdict {
 
 /// Which session of each robot is in force. A later start of the program wins, and within one run
 /// of the program the higher session number: a restarted robot is accepted at once, and an old
-/// datagram brings nothing back. What the loser still sends a while later is a conflict. A session
-/// that has fallen silent gives way to any other: the robot's clock may have been set back.
+/// datagram brings nothing back. What a superseded session still sends a while later is a conflict.
+/// A session that has fallen silent gives way to any other: the robot's clock may have been set
+/// back.
 ///
 /// Announcements to other localizers count, too, so that every localizer comes to the same verdict.
 class SessionRegister {
  public:
   struct Config {
-    double settling_s;        ///< after a replacement: datagrams of the old session may arrive
-    double silence_s;         ///< then the session in force gives way to any other
-    std::size_t most_robots;  ///< beyond it, the one that was heard least recently is forgotten
+    double settling_s;       ///< after a replacement: datagrams of the old session may arrive
+    double silence_s;        ///< then the session in force gives way to any other
+    std::size_t max_robots;  ///< beyond it, the one that was heard least recently is forgotten
   };
 
   explicit SessionRegister(const Config& config) : config_(config) {}
@@ -59,13 +60,13 @@ class SessionRegister {
     Session current;
     Timestamp accepted;
     Timestamp heard;
-    std::deque<Session> losers;  // the latest
+    std::deque<Session> superseded;  // the latest
   };
 
   void make_room();
-  [[nodiscard]] SessionVerdict verdict_on_loser(const Robot& robot,
-                                                const Session& loser,
-                                                Timestamp now) const;
+  [[nodiscard]] SessionVerdict verdict_on_superseded(const Robot& robot,
+                                                     const Session& superseded,
+                                                     Timestamp now) const;
 
   Config config_;
   std::map<RobotId, Robot> robots_;

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "shared/model/answer.hpp"
+#include "shared/model/localization_result.hpp"
 
 namespace fleetloc {
 

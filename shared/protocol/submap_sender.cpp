@@ -11,10 +11,10 @@ constexpr std::size_t kMaxInFlight = 256;  // answers to older samples time noth
 
 }  // namespace
 
-void SubmapSender::restart(SessionNumber session, Epoch epoch) {
+void SubmapSender::restart(SessionNumber session, Incarnation incarnation) {
   SubmapSender fresh;
   fresh.session_ = session;
-  fresh.epoch_ = epoch;
+  fresh.incarnation_ = incarnation;
   fresh.round_trip_ = round_trip_;  // the network is still the same
   // A localizer that this robot comes back to may remember the session and its numbers.
   if (session == session_) fresh.next_number_ = next_number_;
@@ -28,15 +28,15 @@ bool SubmapSender::awaits(KeyframeId newest) const {
 
 void SubmapSender::prepare(Submap& submap, Timestamp now) {
   submap.session = session_;
-  submap.epoch = epoch_;
+  submap.incarnation = incarnation_;
   submap.number = SampleNumber{next_number_};
   in_flight_[next_number_] = {now, submap.keyframes.back().id};
   ++next_number_;
   if (in_flight_.size() > kMaxInFlight) in_flight_.erase(in_flight_.begin());
 }
 
-void SubmapSender::acknowledge(const Answer& answer, Timestamp now) {
-  if (answer.session != session_ || answer.epoch != epoch_) return;
+void SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) {
+  if (answer.session != session_ || answer.incarnation != incarnation_) return;
   const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);
   if (base > acknowledged_base_) {
     const std::uint32_t shift = base - acknowledged_base_;

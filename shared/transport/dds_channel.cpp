@@ -7,7 +7,7 @@
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/workarounds/renewal_policy.hpp"
+#include "shared/transport/workarounds/participant_recreation_policy.hpp"
 
 namespace fleetloc {
 
@@ -16,7 +16,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any program leaves
-constexpr std::size_t kMostEvents = 100;      // nobody reads them
+constexpr std::size_t kMaxEvents = 100;       // nobody reads them
 constexpr milliseconds kLook{1000};           // at the network, without being told of a change
 constexpr milliseconds kLookAgain{50};        // while it changes
 constexpr milliseconds kFirstLookup{500};     // of peers, that a program's start waits for
@@ -115,7 +115,7 @@ std::vector<std::string> DdsChannel::take_events() {
 
 void DdsChannel::note(std::string event) {
   const std::lock_guard lock(mutex_);
-  if (events_.size() < kMostEvents) events_.push_back(std::move(event));
+  if (events_.size() < kMaxEvents) events_.push_back(std::move(event));
 }
 
 void DdsChannel::deliver(std::optional<Message> message) {
@@ -136,11 +136,12 @@ void DdsChannel::deliver(std::optional<Message> message) {
 
 // Only this thread replaces the connection.
 void DdsChannel::watch(const std::stop_token& stop) {
-  using Clock = RenewalPolicy::Clock;
+  using Clock = ParticipantRecreationPolicy::Clock;
   const Participant& first = connection_->participant();
   const std::vector<std::string> whitelist = first.whitelist();
   ParticipantStart start{.predecessor = first.identity(), .peers = first.peers()};
-  RenewalPolicy policy({.lease = first.lease(), .announcements = first.announcement_period()});
+  ParticipantRecreationPolicy policy(
+      {.lease = first.lease(), .announcements = first.announcement_period()});
   policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
   bool was_cut_off = false;
   while (!stop.stop_requested()) {
@@ -196,8 +197,8 @@ bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
     connection_ = std::move(fresh);
   }
   const std::lock_guard lock(mutex_);
-  ++diagnostics_.renewals;
-  if (events_.size() < kMostEvents) events_.push_back(reason + ": a new participant was made");
+  ++diagnostics_.recreations;
+  if (events_.size() < kMaxEvents) events_.push_back(reason + ": a new participant was made");
   return true;
 }
 

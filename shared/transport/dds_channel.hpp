@@ -27,8 +27,8 @@ struct ChannelDiagnostics {
       0;                      ///< messages that nobody took for so long that newer ones did not fit
   std::uint64_t refused = 0;  ///< samples that the QoS limits did not let out
   std::uint64_t unsent = 0;   ///< messages for which there was no participant
-  std::uint64_t renewals = 0;   ///< participants made after the first
-  std::uint64_t malformed = 0;  ///< datagrams that are not RTPS
+  std::uint64_t recreations = 0;  ///< participants made after the first
+  std::uint64_t malformed = 0;    ///< datagrams that are not RTPS
 };
 
 /// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics, partitions
@@ -39,9 +39,9 @@ struct ChannelDiagnostics {
 /// any function.
 ///
 /// When the addresses of this computer change, or the discovery server was started again, the
-/// participant is made anew behind this interface, on a thread of its own (see RenewalPolicy).
-/// Statistics go on, what was received stays, session and localizer status are told again; what is
-/// sent meanwhile, for some tenths of a second, is lost.
+/// participant is made anew behind this interface, on a thread of its own (see
+/// ParticipantRecreationPolicy). Statistics go on, what was received stays, session and localizer
+/// status are told again; what is sent meanwhile, for some tenths of a second, is lost.
 class DdsChannel final : public Channel {
  public:
   using Config = DdsEnd;

@@ -12,8 +12,8 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
+#include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/network_addresses.hpp"
-#include "shared/transport/workarounds/rtps_check.hpp"
 
 namespace fleetloc {
 
@@ -43,7 +43,7 @@ std::uint32_t address_of(const rtps::Locator_t& locator) {
   return address;
 }
 
-KnownAddresses::Place place_of(const rtps::Locator_t& locator) {
+PeerAddressFilter::Place place_of(const rtps::Locator_t& locator) {
   return {.address = address_of(locator), .port = locator.port};
 }
 
@@ -118,7 +118,7 @@ class Transport final : public fdr::ChainingTransport {
   // Fast DDS sends to every address of a participant. What is for one on a network that cannot be
   // reached from here never leaves this computer, nor what would come twice.
   [[nodiscard]] bool leaves(const rtps::Locator_t& to,
-                            std::span<const KnownAddresses::Place> destinations) const {
+                            std::span<const PeerAddressFilter::Place> destinations) const {
     if (rtps::IPLocator::isMulticast(to)) return true;
     return !link_->is_superfluous(place_of(to), destinations) &&
            has_route(rtps::IPLocator::toIPv4string(to));
@@ -151,7 +151,7 @@ bool Transport::send(rtps::SenderResource* socket,
   rtps::SenderResource* none = nullptr;
   first_socket_.compare_exchange_strong(none, socket);  // they are called in their order
   std::vector<rtps::Locator_t> wanted;                  // the iterators are valid in this call only
-  std::vector<KnownAddresses::Place> places;
+  std::vector<PeerAddressFilter::Place> places;
   for (; *begin != *end; ++*begin) {
     if (!IsLocatorSupported(**begin)) continue;
     wanted.push_back(**begin);
@@ -277,13 +277,14 @@ bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
          std::equal(own_prefix_->begin(), own_prefix_->end(), datagram + kGuidPrefixAt);
 }
 
-void WireLink::note_announced(const GuidPrefix& participant, const KnownAddresses::Place& place) {
+void WireLink::note_announced(const GuidPrefix& participant,
+                              const PeerAddressFilter::Place& place) {
   const std::lock_guard lock(mutex_);
   addresses_.announced(participant, place, Clock::now());
 }
 
-bool WireLink::is_superfluous(const KnownAddresses::Place& place,
-                              std::span<const KnownAddresses::Place> destinations) const {
+bool WireLink::is_superfluous(const PeerAddressFilter::Place& place,
+                              std::span<const PeerAddressFilter::Place> destinations) const {
   const std::lock_guard lock(mutex_);
   return addresses_.is_superfluous(place, destinations, Clock::now());
 }

@@ -11,9 +11,9 @@
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
 #include "shared/link/link_model.hpp"
-#include "shared/transport/workarounds/known_addresses.hpp"
-#include "shared/transport/workarounds/restart_watch.hpp"
+#include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
+#include "shared/transport/workarounds/server_restart_detector.hpp"
 
 namespace fleetloc {
 
@@ -58,10 +58,10 @@ class WireLink {
   /// True for a multicast that comes back to its sender; it never left the computer.
   [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
 
-  /// See KnownAddresses.
-  void note_announced(const GuidPrefix& participant, const KnownAddresses::Place& place);
-  [[nodiscard]] bool is_superfluous(const KnownAddresses::Place& place,
-                                    std::span<const KnownAddresses::Place> destinations) const;
+  /// See PeerAddressFilter.
+  void note_announced(const GuidPrefix& participant, const PeerAddressFilter::Place& place);
+  [[nodiscard]] bool is_superfluous(const PeerAddressFilter::Place& place,
+                                    std::span<const PeerAddressFilter::Place> destinations) const;
 
   [[nodiscard]] WireTraffic traffic() const;
   /// A discovery server was started again since begin_participant().
@@ -72,8 +72,8 @@ class WireLink {
   std::optional<LinkModel> outgoing_, incoming_;  // guarded by mutex_, but not whether they exist
   std::optional<GuidPrefix> own_prefix_;          // guarded by mutex_
   WireTraffic traffic_;                           // guarded by mutex_
-  RestartWatch servers_;                          // guarded by mutex_
-  KnownAddresses addresses_;                      // guarded by mutex_
+  ServerRestartDetector servers_;                 // guarded by mutex_
+  PeerAddressFilter addresses_;                   // guarded by mutex_
 };
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;

@@ -34,7 +34,7 @@ Bytes to_cdr(const T& sample) {
 template <typename T>
 Decoded<T> from_cdr(std::span<const std::uint8_t> bytes, int ids) {
   using eprosima::fastcdr::Cdr;
-  constexpr std::size_t kMostPadding = 3;  // other vendors fill up to a multiple of four
+  constexpr std::size_t kMaxPadding = 3;  // other vendors fill up to a multiple of four
   try {
     // The buffer's interface is for writing, too; nothing is written here.
     auto* begin = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));
@@ -50,7 +50,7 @@ Decoded<T> from_cdr(std::span<const std::uint8_t> bytes, int ids) {
     cdr.setState(start);
     T sample;
     sample.deserialize(cdr);
-    if (bytes.size() - cdr.getSerializedDataLength() > kMostPadding) return Malformed::kUndecodable;
+    if (bytes.size() - cdr.getSerializedDataLength() > kMaxPadding) return Malformed::kUndecodable;
     return sample;
   } catch (const std::exception&) {  // fastcdr's, and lack of memory
     return Malformed::kUndecodable;

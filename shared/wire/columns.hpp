@@ -69,9 +69,9 @@ inline std::size_t wide_entries(std::span<const std::uint8_t> gaps) {
 template <typename Integer>
 Integer quantized(double value, double units, const char* what) {
   const double scaled = std::round(value * units);
-  constexpr auto kLeast = static_cast<double>(std::numeric_limits<Integer>::min());
-  constexpr auto kMost = static_cast<double>(std::numeric_limits<Integer>::max());
-  if (!(scaled >= kLeast && scaled <= kMost)) throw NotEncodable(what);
+  constexpr auto kMin = static_cast<double>(std::numeric_limits<Integer>::min());
+  constexpr auto kMax = static_cast<double>(std::numeric_limits<Integer>::max());
+  if (!(scaled >= kMin && scaled <= kMax)) throw NotEncodable(what);
   return static_cast<Integer>(scaled);
 }
 

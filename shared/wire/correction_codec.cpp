@@ -51,7 +51,7 @@ Defect defect_of_columns(const wire::Correction& sample) {
   const std::size_t poses = sample.pose_from().size();
   const std::size_t landmarks = sample.landmark_id().size();
   if (poses == 0 && landmarks == 0) return Malformed::kTooFewItems;
-  if (poses > kMostCorrectedPoses || landmarks > kMaxLandmarks) return Malformed::kTooManyItems;
+  if (poses > kMaxCorrectedPoses || landmarks > kMaxLandmarks) return Malformed::kTooManyItems;
   const bool equal = sample.pose_to().size() == poses &&
                      sample.pose_rotation().size() == 4 * poses &&
                      sample.pose_translation().size() == 3 * poses &&
@@ -80,9 +80,9 @@ Defect defect_of_poses(const wire::Correction& sample) {
 }
 
 Defect defect_of_landmarks(const wire::Correction& sample) {
-  constexpr auto kMost = static_cast<int>(kFarthestCorrectedMetres * kLandmarkUnitsPerMetre);
+  constexpr auto kMax = static_cast<int>(kFarthestCorrectedMetres * kLandmarkUnitsPerMetre);
   for (const int value : sample.landmark_position()) {
-    if (std::abs(value) > kMost) return Malformed::kOutOfRange;
+    if (std::abs(value) > kMax) return Malformed::kOutOfRange;
   }
   GapReader<std::uint32_t> ids(sample.landmark_id(), sample.landmark_id_wide());
   for (std::size_t i = 0; i < sample.landmark_id().size(); ++i) {
@@ -141,7 +141,7 @@ Bytes encoded(const Correction& correction, const std::vector<Correction::Landma
   sample.robot(correction.robot);
   sample.localizer(correction.localizer);
   sample.session(static_cast<std::uint32_t>(correction.session));
-  sample.epoch(static_cast<std::uint32_t>(correction.epoch));
+  sample.incarnation(static_cast<std::uint32_t>(correction.incarnation));
   sample.anchor(static_cast<std::uint32_t>(correction.anchor));
   append_poses(correction, sample);
   append_landmarks(landmarks, sample);
@@ -164,9 +164,9 @@ Bytes encode(const Correction& correction) {
   expect_encodable_id(correction.localizer);
   Bytes bytes = encoded(correction, correction.landmarks);
   std::vector<Correction::Landmark> landmarks;
-  while (bytes.size() > kMostCorrectionBytes) {
+  while (bytes.size() > kMaxCorrectionBytes) {
     if (landmarks.empty()) landmarks = correction.landmarks;
-    const std::size_t excess = bytes.size() - kMostCorrectionBytes;
+    const std::size_t excess = bytes.size() - kMaxCorrectionBytes;
     drop_least_informative(landmarks, excess / (kBytesPerLandmark + sizeof(std::uint32_t)) + 1);
     bytes = encoded(correction, landmarks);
   }
@@ -182,7 +182,7 @@ Decoded<Correction> decode_correction(std::span<const std::uint8_t> bytes) {
   correction.robot = sample.robot().to_string();
   correction.session = SessionNumber{sample.session()};
   correction.localizer = sample.localizer().to_string();
-  correction.epoch = Epoch{sample.epoch()};
+  correction.incarnation = Incarnation{sample.incarnation()};
   correction.anchor = KeyframeId{sample.anchor()};
   for (std::size_t i = 0; i < sample.pose_to().size(); ++i) {
     const Eigen::Vector4d q = quaternion_at(sample, i);

@@ -97,15 +97,15 @@ Matrix6d from_wire(const wire::SquareRoot6& matrix) {
   return squared(matrix.R());
 }
 
-Defect defect(double value, double least, double most) {
+Defect defect(double value, double min, double max) {
   if (!std::isfinite(value)) return Malformed::kNotFinite;
-  if (value < least || value > most) return Malformed::kOutOfRange;
+  if (value < min || value > max) return Malformed::kOutOfRange;
   return std::nullopt;
 }
 
-Defect defect(const wire::Vector3& vector, double most) {
+Defect defect(const wire::Vector3& vector, double max) {
   for (const double value : {vector.x(), vector.y(), vector.z()}) {
-    if (const Defect found = defect(value, -most, most)) return found;
+    if (const Defect found = defect(value, -max, max)) return found;
   }
   return std::nullopt;
 }

@@ -40,8 +40,8 @@ constexpr Timestamp stamp_from_wire(std::int64_t ns) {
   return Timestamp{Duration{ns}};
 }
 
-Defect defect(double value, double least, double most);  ///< finite and within [least, most]
-Defect defect(const wire::Vector3& vector, double most = kFarthest);
+Defect defect(double value, double min, double max);  ///< finite and within [least, most]
+Defect defect(const wire::Vector3& vector, double max = kFarthest);
 Defect defect(const wire::Pose& T);
 Defect defect(std::span<const float, 21> square_root);
 Defect defect(const wire::SquareRoot6& matrix);

@@ -9,8 +9,8 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kMostSpeed_mps = 1e4;
-constexpr double kMostTurnRate_radps = 1e3;
+constexpr double kMaxSpeed_mps = 1e4;
+constexpr double kMaxTurnRate_radps = 1e3;
 
 Defect defect_of_sample(const wire::PoseEstimate& sample) {
   if (const Defect found = defect(sample.quality())) return found;
@@ -22,8 +22,8 @@ Defect defect_of_sample(const wire::PoseEstimate& sample) {
   for (const wire::SquareRoot6& covariance : {sample.covariance_odom(), sample.covariance_map()}) {
     if (const Defect found = defect(covariance)) return found;
   }
-  if (const Defect found = defect(sample.v_odom(), kMostSpeed_mps)) return found;
-  return defect(sample.angular_velocity(), kMostTurnRate_radps);
+  if (const Defect found = defect(sample.v_odom(), kMaxSpeed_mps)) return found;
+  return defect(sample.angular_velocity(), kMaxTurnRate_radps);
 }
 
 }  // namespace

@@ -8,17 +8,17 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLeastFocal_px = 1.0;
-constexpr double kMostFocal_px = 1e5;
-constexpr double kMostBaseline_m = 100.0;
+constexpr double kMinFocal_px = 1.0;
+constexpr double kMaxFocal_px = 1e5;
+constexpr double kMaxBaseline_m = 100.0;
 
 Defect defect_of_stereo(const wire::RobotSession& sample) {
-  if (const Defect found = defect(sample.focal_px(), kLeastFocal_px, kMostFocal_px)) return found;
+  if (const Defect found = defect(sample.focal_px(), kMinFocal_px, kMaxFocal_px)) return found;
   for (const double center : sample.center_px()) {
     if (const Defect found = defect(center, 0.0, kRectifiedSize)) return found;
   }
   // Zero: one camera.
-  if (const Defect found = defect(sample.baseline_m(), 0.0, kMostBaseline_m)) return found;
+  if (const Defect found = defect(sample.baseline_m(), 0.0, kMaxBaseline_m)) return found;
   return defect(sample.T_body_cam0());
 }
 
@@ -39,7 +39,7 @@ Bytes encode(const RobotSession& session) {
   wire::RobotSession sample;
   sample.robot(session.robot);
   sample.localizer(session.localizer);
-  sample.epoch(static_cast<std::uint32_t>(session.epoch));
+  sample.incarnation(static_cast<std::uint32_t>(session.incarnation));
   sample.session(static_cast<std::uint32_t>(session.session));
   sample.start_stamp_ns(to_wire(session.start_stamp));
   sample.encoding(session.encoding == SubmapEncoding::kFull ? wire::FULL : wire::DELTA);
@@ -48,7 +48,7 @@ Bytes encode(const RobotSession& session) {
   sample.baseline_m(session.stereo.baseline_m);
   sample.T_body_cam0(to_wire(session.stereo.T_body_cam0));
   sample.has_start(session.start.has_value());
-  const StartPose start = session.start.value_or(StartPose{});
+  const MapOdomEstimate start = session.start.value_or(MapOdomEstimate{});
   sample.p_odom(to_wire(start.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
@@ -66,7 +66,7 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
       .session = SessionNumber{sample.session()},
       .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
       .localizer = sample.localizer().to_string(),
-      .epoch = Epoch{sample.epoch()},
+      .incarnation = Incarnation{sample.incarnation()},
       .encoding = sample.encoding() == wire::FULL ? SubmapEncoding::kFull : SubmapEncoding::kDelta,
       .stereo = {.focal_px = sample.focal_px(),
                  .center_px = {sample.center_px()[0], sample.center_px()[1]},
@@ -74,9 +74,9 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
                  .T_body_cam0 = from_wire(sample.T_body_cam0())},
       .start = std::nullopt};
   if (sample.has_start()) {
-    session.start = StartPose{.T_map_odom = from_wire(sample.T_map_odom()),
-                              .covariance = from_wire(sample.covariance()),
-                              .p_odom = from_wire(sample.p_odom())};
+    session.start = MapOdomEstimate{.T_map_odom = from_wire(sample.T_map_odom()),
+                                    .covariance = from_wire(sample.covariance()),
+                                    .p_odom = from_wire(sample.p_odom())};
   }
   return session;
 }

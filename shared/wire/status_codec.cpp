@@ -9,11 +9,11 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::uint32_t kMostSessions = 1'000'000;
+constexpr std::uint32_t kMaxSessions = 1'000'000;
 constexpr Duration kNotMeasured{-1};
 
 Defect defect_of_sample(const wire::LocalizerStatus& sample) {
-  if (sample.sessions() > kMostSessions) return Malformed::kOutOfRange;
+  if (sample.sessions() > kMaxSessions) return Malformed::kOutOfRange;
   return defect(static_cast<double>(sample.load()), 0.0, 1.0);
 }
 
@@ -29,7 +29,7 @@ Bytes encode(const LocalizerStatus& status) {
   expect_encodable_id(status.localizer);
   wire::LocalizerStatus sample;
   sample.localizer(status.localizer);
-  sample.epoch(static_cast<std::uint32_t>(status.epoch));
+  sample.incarnation(static_cast<std::uint32_t>(status.incarnation));
   sample.map_hash(status.map_hash);
   sample.sessions(static_cast<std::uint32_t>(status.sessions));  // a negative one is out of range
   sample.load(static_cast<float>(status.load));
@@ -59,7 +59,7 @@ Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> b
   const auto& sample = std::get<wire::LocalizerStatus>(decoded);
   if (const Defect found = defect_of_sample(sample)) return *found;
   return LocalizerStatus{.localizer = sample.localizer().to_string(),
-                         .epoch = Epoch{sample.epoch()},
+                         .incarnation = Incarnation{sample.incarnation()},
                          .map_hash = sample.map_hash(),
                          .sessions = static_cast<int>(sample.sessions()),
                          .load = static_cast<double>(sample.load()),

@@ -95,7 +95,7 @@ Decoded<Submap> decode_submap(std::span<const std::uint8_t> bytes) {
   if (const Defect found = defect(sample)) return *found;
   Submap submap{.robot = sample.robot().to_string(),
                 .session = SessionNumber{sample.session()},
-                .epoch = Epoch{sample.epoch()},
+                .incarnation = Incarnation{sample.incarnation()},
                 .number = SampleNumber{sample.number()},
                 .keyframes = keyframes(sample),
                 .edges = edges(sample),

@@ -28,8 +28,8 @@ std::uint16_t pixel_units(double px) {
   if (!(px >= 0.0 && px < kRectifiedSize)) {
     throw NotEncodable("a pixel of " + std::to_string(px));
   }
-  constexpr double kMostUnits = kRectifiedSize * kUnitsPerPixel - 1.0;  // when rounded up
-  return static_cast<std::uint16_t>(std::min(std::round(px * kUnitsPerPixel), kMostUnits));
+  constexpr double kMaxUnits = kRectifiedSize * kUnitsPerPixel - 1.0;  // when rounded up
+  return static_cast<std::uint16_t>(std::min(std::round(px * kUnitsPerPixel), kMaxUnits));
 }
 
 std::uint16_t disparity_units(double px) {
@@ -128,7 +128,7 @@ Bytes encode(const Submap& submap) {
   wire::Submap sample;
   sample.robot(submap.robot);
   sample.session(static_cast<std::uint32_t>(submap.session));
-  sample.epoch(static_cast<std::uint32_t>(submap.epoch));
+  sample.incarnation(static_cast<std::uint32_t>(submap.incarnation));
   sample.number(static_cast<std::uint32_t>(submap.number));
   append_keyframes(submap, sample);
   append_edges(submap, sample);

@@ -88,8 +88,8 @@ Defect defect_of_keyframes(const wire::Submap& sample) {
   }
   if (!increases(sample.keyframe_stamp_ns())) return Malformed::kUnorderedStamps;
   for (const float sigma : sample.keyframe_tilt_sigma()) {
-    const auto least = static_cast<double>(std::numeric_limits<float>::min());
-    if (const Defect found = defect(static_cast<double>(sigma), least, kLargestTilt_rad)) {
+    const auto min_sigma = static_cast<double>(std::numeric_limits<float>::min());
+    if (const Defect found = defect(static_cast<double>(sigma), min_sigma, kLargestTilt_rad)) {
       return found;
     }
   }

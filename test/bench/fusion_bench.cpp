@@ -39,7 +39,7 @@ class BusyFusion {
   }
   // Every call is a revision that replaces the one before, so that all cost the same.
   void add_answer(double stamp) {
-    Answer current = answer(stamp, true_T_map_odom() * drive_.pose(stamp));
+    LocalizationResult current = answer(stamp, true_T_map_odom() * drive_.pose(stamp));
     current.revision = Revision{++revision_};
     benchmark::DoNotOptimize(fusion_->add_answer(current));
   }

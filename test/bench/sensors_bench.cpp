@@ -1,5 +1,5 @@
 // sensors_bench: what images of the campus cost, on one thread; the usual options of Google
-// Benchmark apply. sensors_bench --pictures=FOLDER: images of each session, and what is in them.
+// Benchmark apply. sensors_bench --pictures=FOLDER: images of each season, and what is in them.
 
 #include <chrono>
 #include <cstdio>
@@ -23,26 +23,26 @@ void print_sessions(const std::string& folder) {
   const Duration begin = thread_cpu_time();
   const Scene scene = build_scene(world.scene, route, 1);
   const Duration built = thread_cpu_time();
-  const SessionScene survey = session_of(world, scene, world.survey);
+  const SeasonScene survey = session_of(world, scene, world.survey);
   const Duration applied = thread_cpu_time();
-  std::printf("route %.0f m: %zu triangles, scene %.2f s, session %.2f s\n",
+  std::printf("route %.0f m: %zu triangles, scene %.2f s, season %.2f s\n",
               static_cast<double>(scene.route->length_m()),
               survey.triangles(),
               to_seconds(built - begin),
               to_seconds(applied - built));
   const StereoCalibration cameras = campus_cameras();
-  for (const SessionConfig& config : world.sessions) {
-    const SessionScene session = session_of(world, scene, config.name);
+  for (const SeasonConfig& config : world.seasons) {
+    const SeasonScene season = session_of(world, scene, config.name);
     std::vector<SeenLandmark> all;
     std::size_t least = 1000;
     for (int i = 0; i < 24; ++i) {
-      StereoRenderer renderer(cameras, session, camera_settings(2), 1);
+      StereoRenderer renderer(cameras, season, camera_settings(2), 1);
       const Pose T_map_body = T_map_body_on_eight(i / 24.0);
       const StereoFrame frame =
           renderer.render({.stamp = {}, .time_s = 1.0 * i, .frame = 0},
                           [i](double) { return T_map_body_on_eight(i / 24.0); });
       const auto landmarks = seen_landmarks(frame.left,
-                                            session.at(1.0 * i).caster,
+                                            season.at(1.0 * i).caster,
                                             cameras.cam0,
                                             T_map_body * cameras.T_body_cam0,
                                             400);
@@ -63,8 +63,8 @@ void print_sessions(const std::string& folder) {
 void stereo_pair(benchmark::State& state, const std::string& name) {
   const WorldConfig world = campus();
   const Scene scene = build_scene(world.scene, eight(), 1);
-  const SessionScene session = session_of(world, scene, name);
-  StereoRenderer renderer(campus_cameras(), session, camera_settings(1), 1);
+  const SeasonScene season = session_of(world, scene, name);
+  StereoRenderer renderer(campus_cameras(), season, camera_settings(1), 1);
   std::uint64_t frame = 0;
   while (state.KeepRunning()) {
     const double time_s = 0.05 * static_cast<double>(frame);

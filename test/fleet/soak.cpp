@@ -32,9 +32,9 @@ namespace fs = std::filesystem;
 using std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr double kMostGrowth = 0.1;  // of memory
-constexpr double kSettling = 60.0;   // after the last fault, before the end [s]
-constexpr double kWarmUp = 300.0;    // of a process [s]
+constexpr double kMaxGrowth = 0.1;  // of memory
+constexpr double kSettling = 60.0;  // after the last fault, before the end [s]
+constexpr double kWarmUp = 300.0;   // of a process [s]
 constexpr std::array kBetweenFaults_s{20.0, 60.0};
 
 /// What a process needs.
@@ -214,7 +214,7 @@ class Soak {
       }
       const Needs& before = watched.before;
       const Needs& now = *watched.now;
-      const bool has_grown = now.memory_mb > (1.0 + kMostGrowth) * before.memory_mb ||
+      const bool has_grown = now.memory_mb > (1.0 + kMaxGrowth) * before.memory_mb ||
                              now.threads > before.threads || now.descriptors > before.descriptors;
       good = good && !has_grown;
       std::printf("%-12s %7.1f -> %7.1f %4d -> %3d %5d -> %4d%s\n",

@@ -7,8 +7,8 @@
 #include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/link/memory_network.hpp"
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -50,7 +50,7 @@ class CloudClientTest : public testing::Test {
     end.send("",
              {Topic::kLocalizerStatus,
               encode(LocalizerStatus{.localizer = name,
-                                     .epoch = Epoch{1},
+                                     .incarnation = Incarnation{1},
                                      .map_hash = {},
                                      .sessions = 0,
                                      .load = load,
@@ -58,12 +58,12 @@ class CloudClientTest : public testing::Test {
              at(ms));
   }
 
-  static Answer answer(const std::string& localizer, std::uint32_t keyframe) {
-    Answer answer;
+  static LocalizationResult answer(const std::string& localizer, std::uint32_t keyframe) {
+    LocalizationResult answer;
     answer.robot = "robot";
     answer.session = SessionNumber{1};
     answer.localizer = localizer;
-    answer.epoch = Epoch{1};
+    answer.incarnation = Incarnation{1};
     answer.status = LocalizationStatus::kTooFewMatches;
     answer.keyframe = KeyframeId{keyframe};
     answer.revision = Revision{1};
@@ -76,7 +76,7 @@ class CloudClientTest : public testing::Test {
     correction.robot = "robot";
     correction.session = SessionNumber{1};
     correction.localizer = localizer;
-    correction.epoch = Epoch{1};
+    correction.incarnation = Incarnation{1};
     correction.anchor = KeyframeId{anchor};
     correction.landmarks.push_back({LandmarkId{1}, {1.0, 2.0, 3.0}, Eigen::Matrix3d::Identity()});
     return correction;
@@ -184,10 +184,10 @@ TEST_F(CloudClientTest, CountsCorrectionsThatAreNotForItByName) {
   other_robot.robot = "other";
   Correction old_session = correction("idle", 5);
   old_session.session = SessionNumber{0};
-  Correction other_epoch = correction("idle", 5);
-  other_epoch.epoch = Epoch{2};
+  Correction other_incarnation = correction("idle", 5);
+  other_incarnation.incarnation = Incarnation{2};
   for (const Correction& unwanted :
-       {other_robot, old_session, correction("busy", 5), other_epoch}) {
+       {other_robot, old_session, correction("busy", 5), other_incarnation}) {
     send(unwanted, 20);
   }
   idle_->send("robot", {Topic::kCorrection, Bytes{0, 1, 0, 0, 9, 9}}, at(20));
@@ -196,7 +196,7 @@ TEST_F(CloudClientTest, CountsCorrectionsThatAreNotForItByName) {
   const auto refused = client_.statistics().refused;
   EXPECT_EQ(refused.at("correction_of_other_session"), 2);
   EXPECT_EQ(refused.at("correction_of_other_localizer"), 1);
-  EXPECT_EQ(refused.at("correction_of_other_epoch"), 1);
+  EXPECT_EQ(refused.at("correction_of_other_incarnation"), 1);
   EXPECT_EQ(refused.at("undecodable"), 1);
 }
 
@@ -207,12 +207,12 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
   client_.submit(submap_of(7), at(20));
   idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 7))}, at(30));
   EXPECT_EQ(client_.take_answers(at(40)).size(), 1);
-  StartPose start;
+  MapOdomEstimate start;
   start.T_map_odom.p.x() = 42.0;
   client_.update_start(start);
   static_cast<void>(idle_->receive(at(50)));
 
-  Answer request = answer("idle", 99);
+  LocalizationResult request = answer("idle", 99);
   request.status = LocalizationStatus::kNeedFull;
   idle_->send("robot", {Topic::kLocalization, encode(request)}, at(900));
   EXPECT_TRUE(client_.take_answers(at(910)).empty());
@@ -230,7 +230,7 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
       ++announcements;
       const auto session = std::get<RobotSession>(decode_robot_session(message.payload));
       EXPECT_EQ(session.start->T_map_odom.p.x(), 42.0);
-      EXPECT_EQ(session.epoch, Epoch{1});
+      EXPECT_EQ(session.incarnation, Incarnation{1});
     }
   }
   EXPECT_EQ(announcements, 1);
@@ -238,7 +238,7 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
 
 TEST_F(CloudClientTest, RepeatsAnAnnouncementAsItWasAndTellsTheNextLocalizerWhatIsKnownByThen) {
   RobotSession session = some_session();
-  session.start = StartPose{.T_map_odom = {}, .p_odom = {1.0, 0.0, 0.0}};
+  session.start = MapOdomEstimate{.T_map_odom = {}, .p_odom = {1.0, 0.0, 0.0}};
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(session, at(1));
   std::vector<double> told;
@@ -287,7 +287,7 @@ TEST_F(CloudClientTest, CountsByNameWhatItDoesNotUse) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));
   static_cast<void>(client_.take_answers(at(10)));
-  Answer of_old_session = answer("idle", 7);
+  LocalizationResult of_old_session = answer("idle", 7);
   of_old_session.session = SessionNumber{0};
   idle_->send("robot", {Topic::kLocalization, encode(of_old_session)}, at(20));
   idle_->send("robot", {Topic::kLocalization, encode(answer("busy", 7))}, at(20));

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "deploy/replay/simulated_cloud.hpp"
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
 #include "test/pipeline/simulated_system.hpp"
@@ -18,14 +18,14 @@ namespace {
 using std::chrono::milliseconds;
 
 LocalizerPool pool_in_the_room() {
-  return {"localizer", Epoch{3}, room_map(), read_localizer_pool_config(defaults())};
+  return {"localizer", Incarnation{3}, room_map(), read_localizer_pool_config(defaults())};
 }
 
 // The newest keyframe with its predecessor, since an edge needs both in the full encoding.
 Submap submap_of(const SimulatedSession& robot, int keyframe) {
   Submap submap = robot.submap(keyframe);
   submap.robot = "robot";
-  submap.epoch = Epoch{3};
+  submap.incarnation = Incarnation{3};
   if (keyframe == 0) return submap;
   const Submap before = robot.submap(keyframe - 1);
   submap.keyframes.insert(submap.keyframes.begin(), before.keyframes[0]);
@@ -44,7 +44,7 @@ TEST(Corrections, GoOutOnceWithEachNewLocalizedAnswer) {
   LocalizerPool pool = pool_in_the_room();
   RobotSession session = robot.session();
   session.localizer = "localizer";
-  session.epoch = Epoch{3};
+  session.incarnation = Incarnation{3};
   pool.receive({Topic::kSession, encode(session)}, Timestamp{});
   int localized = 0;
   int corrected = 0;
@@ -53,7 +53,7 @@ TEST(Corrections, GoOutOnceWithEachNewLocalizedAnswer) {
     pool.receive({Topic::kSubmap, encode(submap_of(robot, i))}, now);
     auto job = pool.take_job(now);
     ASSERT_TRUE(job);
-    Answer answer = LocalizerPool::run(*job);
+    LocalizationResult answer = LocalizerPool::run(*job);
     const bool is_localized = answer.status == LocalizationStatus::kLocalized;
     if (is_localized) ++localized;
     pool.finish(*job, std::move(answer), 1.0, now);
@@ -64,11 +64,11 @@ TEST(Corrections, GoOutOnceWithEachNewLocalizedAnswer) {
         EXPECT_TRUE(is_localized);
         EXPECT_EQ(ms, 0);
         EXPECT_EQ(outgoing.partition, "robot");
-        EXPECT_LE(outgoing.message.payload.size(), kMostCorrectionBytes);
+        EXPECT_LE(outgoing.message.payload.size(), kMaxCorrectionBytes);
         const auto correction = std::get<Correction>(decode_correction(outgoing.message.payload));
         EXPECT_EQ(correction.robot, "robot");
         EXPECT_EQ(correction.localizer, "localizer");
-        EXPECT_EQ(correction.epoch, Epoch{3});
+        EXPECT_EQ(correction.incarnation, Incarnation{3});
         EXPECT_EQ(correction.anchor, KeyframeId{static_cast<std::uint32_t>(i)});
       }
     }
@@ -94,7 +94,7 @@ TEST(Corrections, ReachTheRobotOverTheNetworkAndAreTakenOnce) {
     const Timestamp now{milliseconds(ms)};
     if (ms >= 1000 && ms % 400 == 0) client.submit(submap_of(robot, (ms - 1000) / 400), now);
     cloud.advance(now);
-    for (const Answer& answer : client.take_answers(now)) {
+    for (const LocalizationResult& answer : client.take_answers(now)) {
       const auto correction = client.take_correction();
       if (!correction) continue;
       ++taken;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -44,7 +44,7 @@ RobotSession session_of(const RobotId& robot) {
   session.robot = robot;
   session.session = SessionNumber{2};
   session.localizer = "cloud-a";
-  session.epoch = Epoch{17};
+  session.incarnation = Incarnation{17};
   session.start_stamp = Timestamp{};
   return session;
 }
@@ -52,7 +52,7 @@ RobotSession session_of(const RobotId& robot) {
 Submap submap_of(const RobotId& robot, std::uint32_t number) {
   Submap submap = some_submap(4, 30);
   submap.robot = robot;
-  submap.epoch = Epoch{17};
+  submap.incarnation = Incarnation{17};
   submap.number = SampleNumber{number};
   return submap;
 }
@@ -62,7 +62,7 @@ TEST(Corruption, OfWhatOneRobotSendsHarmsNeitherTheCloudNorAnotherRobot) {
       std::make_shared<const LaserMap>(build_map({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                                                  "map",
                                                  read_map_config(defaults().section("map"))));
-  LocalizerPool pool("cloud-a", Epoch{17}, map, read_localizer_pool_config(defaults()));
+  LocalizerPool pool("cloud-a", Incarnation{17}, map, read_localizer_pool_config(defaults()));
   std::mt19937 random(5);
   std::uint32_t sent = 0;
   int jobs = 0;
@@ -85,7 +85,7 @@ TEST(Corruption, OfWhatOneRobotSendsHarmsNeitherTheCloudNorAnotherRobot) {
     if (trial % 100 == 0) {
       pool.receive({Topic::kSubmap, encode(submap_of("victim", sent++))}, now);
       while (auto job = pool.take_job(now)) {
-        Answer answer = LocalizerPool::run(*job);
+        LocalizationResult answer = LocalizerPool::run(*job);
         pool.finish(*job, std::move(answer), 1.0, now);
         ++jobs;
       }
@@ -107,7 +107,7 @@ TEST(Corruption, OfWhatArrivesDoesNotEndTheService) {
   Timestamp now{};
   client.start_session(session_of("robot_1"), now);
   std::mt19937 random(6);
-  Answer answer = some_answer();
+  LocalizationResult answer = some_answer();
   const std::array<Bytes, 2> valid{encode(answer), encode(some_localizer_status())};
   constexpr std::array kHeard{Topic::kLocalization, Topic::kLocalizerStatus};
   for (int trial = 0; trial < kTrials; ++trial) {

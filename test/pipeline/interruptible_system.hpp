@@ -40,18 +40,19 @@ class InterruptibleSystem {
 
   /// @param config  YAML that differs from the defaults
   void start(const std::string& name,
-             std::uint32_t epoch,
+             std::uint32_t incarnation,
              std::shared_ptr<const LaserMap> map,
              const std::string& config = "{}") {
     ConfigReader reader = defaults();
     reader.overlay(ConfigReader::from_string(config));
     stop(name);
     Localizer& localizer = localizers_[name];
-    localizer.epoch = Epoch{epoch};
+    localizer.incarnation = Incarnation{incarnation};
     localizer.map = map;
     localizer.end = network_.join_cloud(name);
     localizer.cloud = std::make_unique<SimulatedCloud>(
-        LocalizerPool(name, localizer.epoch, std::move(map), read_localizer_pool_config(reader)),
+        LocalizerPool(
+            name, localizer.incarnation, std::move(map), read_localizer_pool_config(reader)),
         *localizer.end,
         std::chrono::milliseconds(50),
         nullptr);
@@ -76,7 +77,7 @@ class InterruptibleSystem {
 
  private:
   struct Localizer {
-    Epoch epoch{};
+    Incarnation incarnation{};
     std::shared_ptr<const LaserMap> map;
     std::unique_ptr<Channel> end;
     std::unique_ptr<SimulatedCloud> cloud;
@@ -90,7 +91,7 @@ class InterruptibleSystem {
     if (now < localizer.next_status) return;
     localizer.next_status = now + std::chrono::seconds(1);
     const LocalizerStatus status{.localizer = name,
-                                 .epoch = localizer.epoch,
+                                 .incarnation = localizer.incarnation,
                                  .map_hash = localizer.map->info().hash,
                                  .accepting = true};
     localizer.end->send("", {Topic::kLocalizerStatus, encode(status)}, now);

@@ -41,7 +41,7 @@ class Interruption : public testing::Test {
   }
 
   [[nodiscard]] double first_applied_after(double since_s) const {
-    for (const AnswerOutput& answer : system_.robot().answers) {
+    for (const LocalizationOutput& answer : system_.robot().answers) {
       const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
       if (answer.applied && arrival_s > since_s) return arrival_s;
     }
@@ -49,7 +49,7 @@ class Interruption : public testing::Test {
   }
   [[nodiscard]] int applied_between(double from_s, double to_s) const {
     return static_cast<int>(
-        std::ranges::count_if(system_.robot().answers, [&](const AnswerOutput& answer) {
+        std::ranges::count_if(system_.robot().answers, [&](const LocalizationOutput& answer) {
           const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
           return answer.applied && arrival_s > from_s && arrival_s <= to_s;
         }));
@@ -105,10 +105,10 @@ TEST_F(Interruption, ALocalizerThatDiesForTenSeconds) {
   system_.start("a", 2, map());
   system_.play(23.0);
   EXPECT_LT(first_applied_after(18.0), 18.0 + kSoonSeconds);
-  EXPECT_EQ(system_.robot().answers.back().answer.epoch, Epoch{2});
+  EXPECT_EQ(system_.robot().answers.back().answer.incarnation, Incarnation{2});
   EXPECT_EQ(system_.robot().frames.back().pose.quality, Quality::kLocalized);
   EXPECT_THAT(system_.robot().events, Contains(HasSubstr("restarted")));
-  EXPECT_LT(system_.robot().client().statistics().loss, 0.5) << "numbers of the new epoch";
+  EXPECT_LT(system_.robot().client().statistics().loss, 0.5) << "numbers of the new incarnation";
   expect_poses_throughout();
 }
 

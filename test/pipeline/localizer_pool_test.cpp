@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
 #include "test/pipeline/simulated_system.hpp"
@@ -21,7 +21,7 @@ RobotSession session_of(const RobotId& robot, std::uint32_t number = 1) {
   session.robot = robot;
   session.session = SessionNumber{number};
   session.localizer = "localizer";
-  session.epoch = Epoch{3};
+  session.incarnation = Incarnation{3};
   session.stereo = {
       .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
   return session;
@@ -31,7 +31,7 @@ Submap submap_of(const RobotId& robot, std::uint32_t number, std::uint32_t sessi
   Submap submap;
   submap.robot = robot;
   submap.session = SessionNumber{session};
-  submap.epoch = Epoch{3};
+  submap.incarnation = Incarnation{3};
   submap.number = SampleNumber{number};
   submap.keyframes.push_back({.id = KeyframeId{number},
                               .revision = Revision{1},
@@ -50,11 +50,12 @@ class LocalizerPoolTest : public testing::Test {
   void send(const Submap& submap) { pool_.receive({Topic::kSubmap, encode(submap)}, at(0)); }
   SessionReport report(const RobotId& robot) { return pool_.reports().at(robot); }
 
-  std::vector<Answer> answers(int ms) {
-    std::vector<Answer> answers;
+  std::vector<LocalizationResult> answers(int ms) {
+    std::vector<LocalizationResult> answers;
     for (const auto& outgoing : pool_.outgoing(at(ms), 0.0)) {
       if (outgoing.message.topic != Topic::kLocalization) continue;
-      answers.push_back(std::get<Answer>(decode_answer(outgoing.message.payload)));
+      answers.push_back(
+          std::get<LocalizationResult>(decode_localization_result(outgoing.message.payload)));
       EXPECT_EQ(outgoing.partition, answers.back().robot);
     }
     return answers;
@@ -63,7 +64,7 @@ class LocalizerPoolTest : public testing::Test {
   void run_job(int ms) {
     auto job = pool_.take_job(at(ms));
     ASSERT_TRUE(job.has_value());
-    Answer answer = LocalizerPool::run(*job);
+    LocalizationResult answer = LocalizerPool::run(*job);
     pool_.finish(*job, std::move(answer), 1.0, at(ms));
   }
 
@@ -71,10 +72,10 @@ class LocalizerPoolTest : public testing::Test {
       std::make_shared<const LaserMap>(build_map({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                                                  "map",
                                                  read_map_config(defaults().section("map"))));
-  LocalizerPool pool_{"localizer", Epoch{3}, map_, read_localizer_pool_config(defaults())};
+  LocalizerPool pool_{"localizer", Incarnation{3}, map_, read_localizer_pool_config(defaults())};
 };
 
-TEST_F(LocalizerPoolTest, AnswersWithItsNameEpochMapAndAcknowledgements) {
+TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
   open(session_of("a"));
   send(submap_of("a", 0));
   send(submap_of("a", 2));
@@ -82,7 +83,7 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameEpochMapAndAcknowledgements) {
   const auto sent = answers(50);
   ASSERT_EQ(sent.size(), 1);
   EXPECT_EQ(sent[0].localizer, "localizer");
-  EXPECT_EQ(sent[0].epoch, Epoch{3});
+  EXPECT_EQ(sent[0].incarnation, Incarnation{3});
   EXPECT_EQ(sent[0].map_hash, map_->info().hash);
   EXPECT_EQ(sent[0].acknowledgements.bitmap, 0b101U);
   EXPECT_EQ(sent[0].holding_time, milliseconds(40));
@@ -112,7 +113,7 @@ TEST_F(LocalizerPoolTest, ServesRobotsInTurnAndEachOneJobAtATime) {
   EXPECT_EQ(pool_.take_job(at(0))->robot, "b");
   EXPECT_EQ(pool_.take_job(at(0))->robot, "c");
   EXPECT_FALSE(pool_.take_job(at(0)).has_value());  // a waits, but its job is still running
-  pool_.finish(*first, Answer{}, 1.0, at(1));
+  pool_.finish(*first, LocalizationResult{}, 1.0, at(1));
   EXPECT_EQ(pool_.take_job(at(0))->robot, "a");
 }
 
@@ -134,7 +135,7 @@ TEST_F(LocalizerPoolTest, AResultOfAReplacedSessionIsDropped) {
   const auto job = pool_.take_job(at(0));
   ASSERT_TRUE(job.has_value());
   open(session_of("a", 2));
-  pool_.finish(*job, Answer{}, 1.0, at(1));
+  pool_.finish(*job, LocalizationResult{}, 1.0, at(1));
   EXPECT_TRUE(answers(2).empty());
 }
 
@@ -144,7 +145,7 @@ TEST_F(LocalizerPoolTest, GarbageHarmsNobody) {
     pool_.receive({topic, Bytes{}}, at(0));
     pool_.receive({topic, Bytes{0, 1, 0, 0, 255, 255, 255, 255}}, at(0));
   }
-  pool_.receive({Topic::kSubmap, encode(submap_of("stranger", 0))}, at(0));
+  pool_.receive({Topic::kSubmap, encode(submap_of("unknown_robot", 0))}, at(0));
   send(submap_of("a", 0));
   EXPECT_EQ(report("a").submaps, 1);
   EXPECT_EQ(pool_.sessions(), 1);

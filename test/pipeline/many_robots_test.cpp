@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "cloud/pool/localizer_pool.hpp"
-#include "shared/wire/answer_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -24,7 +24,7 @@ RobotSession session_of(const RobotId& robot, double start_s = 1.0) {
   session.session = SessionNumber{static_cast<std::uint32_t>(10.0 * start_s)};
   session.start_stamp = at(start_s);
   session.localizer = "localizer";
-  session.epoch = Epoch{3};
+  session.incarnation = Incarnation{3};
   session.stereo = {
       .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
   return session;
@@ -34,7 +34,7 @@ Submap submap_of(const RobotSession& session, std::uint32_t number) {
   Submap submap;
   submap.robot = session.robot;
   submap.session = session.session;
-  submap.epoch = session.epoch;
+  submap.incarnation = session.incarnation;
   submap.number = SampleNumber{number};
   submap.keyframes.push_back({.id = KeyframeId{number},
                               .revision = Revision{1},
@@ -55,11 +55,12 @@ class ManyRobots : public testing::Test {
   void send(const Submap& submap, double s) {
     pool_.receive({Topic::kSubmap, encode(submap)}, at(s));
   }
-  std::vector<Answer> answers(double s) {
-    std::vector<Answer> answers;
+  std::vector<LocalizationResult> answers(double s) {
+    std::vector<LocalizationResult> answers;
     for (const auto& outgoing : pool_.outgoing(at(s), 0.0)) {
       if (outgoing.message.topic != Topic::kLocalization) continue;
-      answers.push_back(std::get<Answer>(decode_answer(outgoing.message.payload)));
+      answers.push_back(
+          std::get<LocalizationResult>(decode_localization_result(outgoing.message.payload)));
       EXPECT_EQ(outgoing.partition, answers.back().robot);
     }
     return answers;
@@ -73,7 +74,7 @@ class ManyRobots : public testing::Test {
       std::make_shared<const LaserMap>(build_map({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
                                                  "map",
                                                  read_map_config(defaults().section("map"))));
-  LocalizerPool pool_{"localizer", Epoch{3}, map_, config()};
+  LocalizerPool pool_{"localizer", Incarnation{3}, map_, config()};
 };
 
 /// Robots that send twice a second, and workers whose jobs take as long as each robot's do.
@@ -119,7 +120,7 @@ class Shares : public ManyRobots {
     double& longest_s = longest_s_[one.job.robot];
     if (ms > kWarmUpMilliseconds) longest_s = std::max(longest_s, waited_s);
     used_s_[one.job.robot] += 1e-3 * job_ms.at(one.job.robot);
-    pool_.finish(one.job, Answer{}, 1.0, at(1e-3 * ms));
+    pool_.finish(one.job, LocalizationResult{}, 1.0, at(1e-3 * ms));
   }
 
   std::map<RobotId, double> longest_s_;  // from the oldest submap of a job to its answer
@@ -165,7 +166,7 @@ TEST_F(ManyRobots, AThousandAreServedAndNoMore) {
   for (int i = 0; i < 1001; ++i) send(submap_of(session_of("robot_" + std::to_string(i)), 0), 0.1);
   int jobs = 0;
   while (auto job = pool_.take_job(at(0.2))) {
-    pool_.finish(*job, Answer{}, 1.0, at(0.2));
+    pool_.finish(*job, LocalizationResult{}, 1.0, at(0.2));
     ++jobs;
   }
   EXPECT_EQ(jobs, 1000);
@@ -201,7 +202,7 @@ TEST_F(ManyRobots, ARobotThatGoesToAnotherLocalizerHasLeft) {
   session.localizer = "other";
   open(session, 0.2);
   EXPECT_EQ(pool_.sessions(), 0);
-  pool_.finish(*job, Answer{}, 1.0, at(0.3));
+  pool_.finish(*job, LocalizationResult{}, 1.0, at(0.3));
   EXPECT_TRUE(answers(0.4).empty());
 }
 
@@ -210,7 +211,7 @@ TEST_F(ManyRobots, AsksForASessionThatItDoesNotKnowButNotTooOften) {
   int asked = 0;
   for (std::uint32_t i = 0; i < 100; ++i) {
     send(submap_of(session, i), 0.1 * i);
-    for (const Answer& answer : answers(0.1 * i)) {
+    for (const LocalizationResult& answer : answers(0.1 * i)) {
       EXPECT_EQ(answer.status, LocalizationStatus::kNeedFull);
       EXPECT_EQ(answer.session, session.session);
       EXPECT_EQ(answer.keyframe, KeyframeId{i});
@@ -225,7 +226,7 @@ TEST_F(ManyRobots, AsksForASessionThatItDoesNotKnowButNotTooOften) {
   EXPECT_EQ(pool_.reports().at("a").submaps, 1);
 }
 
-TEST_F(ManyRobots, StrangersTakeABoundedPlaceAndAreForgotten) {
+TEST_F(ManyRobots, UnknownRobotsTakeABoundedPlaceAndAreForgotten) {
   for (int i = 0; i < 5000; ++i) {
     send(submap_of(session_of("stranger_" + std::to_string(i)), 0), 0.0);
   }
@@ -236,13 +237,13 @@ TEST_F(ManyRobots, StrangersTakeABoundedPlaceAndAreForgotten) {
 
 TEST_F(ManyRobots, SubmapsAndSessionsForAnEarlierStartOfTheLocalizerDoNotCount) {
   RobotSession session = session_of("a");
-  session.epoch = Epoch{2};
+  session.incarnation = Incarnation{2};
   open(session, 0.0);
   EXPECT_EQ(pool_.sessions(), 0);
   send(submap_of(session, 0), 0.1);
   const auto asked = answers(0.2);
   ASSERT_EQ(asked.size(), 1);
-  EXPECT_EQ(asked[0].epoch, Epoch{3});
+  EXPECT_EQ(asked[0].incarnation, Incarnation{3});
 }
 
 TEST_F(ManyRobots, ARestartedRobotIsAcceptedWithoutAConflict) {
@@ -285,14 +286,14 @@ TEST_F(ManyRobots, ANewerStartPoseIsTakenUntilTheRobotIsLocalized) {
   open(session, 0.0);
   send(submap_of(session, 0), 0.1);
   auto job = pool_.take_job(at(0.1));
-  Answer rejected = LocalizerPool::run(*job);
+  LocalizationResult rejected = LocalizerPool::run(*job);
   EXPECT_EQ(rejected.status, LocalizationStatus::kNoStartPose);
   pool_.finish(*job, std::move(rejected), 1.0, at(0.2));
-  session.start = StartPose{};
+  session.start = MapOdomEstimate{};
   open(session, 0.3);
   send(submap_of(session, 1), 0.4);
   job = pool_.take_job(at(0.4));
-  Answer answer = LocalizerPool::run(*job);
+  LocalizationResult answer = LocalizerPool::run(*job);
   EXPECT_NE(answer.status, LocalizationStatus::kNoStartPose);
   answer.status = LocalizationStatus::kLocalized;
   pool_.finish(*job, std::move(answer), 1.0, at(0.5));
@@ -328,7 +329,7 @@ TEST_F(ManyRobots, TheStateOfARobotIsReported) {
 TEST(RecentValues, KeepTheLatest) {
   RecentValues values;
   for (int i = 0; i < 2500; ++i) values.add(i);
-  EXPECT_EQ(values.values().size(), RecentValues::kMost);
+  EXPECT_EQ(values.values().size(), RecentValues::kMax);
   EXPECT_EQ(std::ranges::min(values.values()), 1500);
   EXPECT_EQ(std::ranges::max(values.values()), 2499);
 }

@@ -40,7 +40,8 @@ class SimulatedRobot {
         pipeline_.add_tracks(run_.frame(next_frame_++));
       }
       for (FrameOutput& frame : pipeline_.take_frames()) frames.push_back(std::move(frame));
-      for (AnswerOutput& answer : pipeline_.take_answers()) answers.push_back(std::move(answer));
+      for (LocalizationOutput& answer : pipeline_.take_answers())
+        answers.push_back(std::move(answer));
       for (std::string& event : client_.take_events()) events.push_back(std::move(event));
     }
     played_ = end + Duration(1);
@@ -49,7 +50,7 @@ class SimulatedRobot {
   [[nodiscard]] const CloudClient& client() const { return client_; }
 
   std::vector<FrameOutput> frames;
-  std::vector<AnswerOutput> answers;
+  std::vector<LocalizationOutput> answers;
   std::vector<std::string> events;
 
  private:

@@ -28,8 +28,10 @@ class SimulatedSystem {
       : network_(link),
         robot_end_(network_.join_robot("robot")),
         cloud_end_(network_.join_cloud("localizer")),
-        cloud_(LocalizerPool(
-                   "localizer", Epoch{1}, std::move(map), read_localizer_pool_config(defaults())),
+        cloud_(LocalizerPool("localizer",
+                             Incarnation{1},
+                             std::move(map),
+                             read_localizer_pool_config(defaults())),
                *cloud_end_,
                std::chrono::milliseconds(50),
                {}),

@@ -103,8 +103,8 @@ RecordedFlight drive(const fs::path& folder) {
 
 }  // namespace
 
-DrivenWorld DrivenWorld::kept(double least_s) {
-  const int rounds = std::max(1, static_cast<int>(std::ceil(least_s / kRound)));
+DrivenWorld DrivenWorld::kept(double min_s) {
+  const int rounds = std::max(1, static_cast<int>(std::ceil(min_s / kRound)));
   const fs::path drives = kKept / ("rounds_" + std::to_string(rounds));
   fs::create_directories(kKept);
   const FileLock lock(kKept / "lock");

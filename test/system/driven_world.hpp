@@ -15,8 +15,8 @@ struct DrivenWorld {
 
   /// Made once and kept in the build tree, until one of the programs that make it changes; who asks
   /// meanwhile waits. Throws std::runtime_error with what a program said.
-  /// @param least_s  length of the drives, in rounds of 108 s
-  static DrivenWorld kept(double least_s = 100.0);
+  /// @param min_s  length of the drives, in rounds of 108 s
+  static DrivenWorld kept(double min_s = 100.0);
 };
 
 }  // namespace fleetloc

@@ -32,7 +32,7 @@ constexpr double kWrongRad = 2.0 * kDegree;
 
 // A pair stands for a window: what 40 keyframes see is replaced by as much as one image yields.
 constexpr const char* kTracking =
-    "{corners: {features: 600, refill_below: 590, least_distance_px: 8, fast_threshold: 8}}";
+    "{corners: {features: 600, refill_below: 590, min_distance_px: 8, fast_threshold: 8}}";
 
 struct Tally {
   int runs = 0;
@@ -42,7 +42,7 @@ struct Tally {
   double median_m = 0.0;
 };
 
-void count_if_wrong(const Answer& answer, const Pose& truth, Tally& tally) {
+void count_if_wrong(const LocalizationResult& answer, const Pose& truth, Tally& tally) {
   const double error_m = (answer.T_map_body.p - truth.p).norm();
   const double error_rad = log_so3(answer.T_map_body.R.conjugate() * truth.R).norm();
   if (error_m <= kWrongM && error_rad <= kWrongRad) return;
@@ -57,7 +57,7 @@ void count_if_wrong(const Answer& answer, const Pose& truth, Tally& tally) {
 Tally localize_all(const RecordedKeyframes& recorded, std::size_t count) {
   auto yaml = ConfigReader::from_string(default_config("cloud"));
   if (count == 1) {
-    yaml.overlay(ConfigReader::from_string("localizer: {acceptance: {least_keyframes: 1}}"));
+    yaml.overlay(ConfigReader::from_string("localizer: {acceptance: {min_keyframes: 1}}"));
   }
   const auto config = read_session_localizer_config(yaml.section("localizer"));
   Tally tally;
@@ -69,7 +69,7 @@ Tally localize_all(const RecordedKeyframes& recorded, std::size_t count) {
       const KeyframeRun run(recorded, first, count, disturbance);
       SessionLocalizer localizer(run.session(), recorded.map, config);
       for (const Submap& submap : run.submaps()) localizer.add(submap);
-      const Answer answer = localizer.localize();
+      const LocalizationResult answer = localizer.localize();
       ++tally.runs;
       if (answer.status != LocalizationStatus::kLocalized) continue;
       ++tally.localized;

@@ -22,7 +22,7 @@ namespace {
 enum Stream : std::uint64_t { kStartShift = 1, kStartTurn, kEdgeShift, kEdgeTurn, kTilt };
 
 constexpr std::uint32_t kIdsPerKeyframe = 100'000;
-constexpr double kLeastEdgeSigma = 0.001;  // [m]
+constexpr double kMinEdgeSigma = 0.001;  // [m]
 
 FeatureTracker::Config tracking_config(const std::string& yaml) {
   auto config = ConfigReader::from_string(default_config("robot"));
@@ -71,7 +71,7 @@ VirtualEdge edge_between(const RecordedKeyframe& from,
       disturbance_of(disturbance.edge_rad * direction(disturbance.seed, kEdgeTurn, index_of_to),
                      shift_m * direction(disturbance.seed, kEdgeShift, index_of_to)));
   edge.information =
-      covariance_of(disturbance.edge_rad, std::hypot(shift_m, kLeastEdgeSigma)).inverse();
+      covariance_of(disturbance.edge_rad, std::hypot(shift_m, kMinEdgeSigma)).inverse();
   return edge;
 }
 
@@ -124,8 +124,8 @@ KeyframeRun::KeyframeRun(const RecordedKeyframes& recorded,
   const Vector6d start =
       disturbance_of(disturbance.start_rad * direction(disturbance.seed, kStartTurn, first),
                      disturbance.start_m * direction(disturbance.seed, kStartShift, first));
-  session_.start = StartPose{retract(T_map_odom, start),
-                             covariance_of(disturbance.start_rad, disturbance.start_m)};
+  session_.start = MapOdomEstimate{retract(T_map_odom, start),
+                                   covariance_of(disturbance.start_rad, disturbance.start_m)};
   for (std::size_t i = first; i < first + count; ++i) {
     const RecordedKeyframe& keyframe = recorded.keyframes[i];
     Submap submap;

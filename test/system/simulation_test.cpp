@@ -221,7 +221,7 @@ TEST_F(Simulation, RefusesAWrongCommandLine) {
   expect_refused(drive("out", {"--cloud", file("room.ply"), "--trajectory", file("poses.tum")}),
                  "--cloud");
   expect_refused(drive("out", {"--no-such-option"}), "--no-such-option");
-  expect_refused(drive("out", {"--session", "carnival"}), "carnival");
+  expect_refused(drive("out", {"--season", "carnival"}), "carnival");
   expect_refused(drive("out", {"--threads", "0"}), "--threads");
   expect_refused(drive("out", {"--start", "9999"}), "--start");
   expect_refused(drive("out", {"--imu", file("imu.csv")}), "--trajectory");

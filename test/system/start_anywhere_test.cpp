@@ -17,7 +17,7 @@ using ::testing::SizeIs;
 constexpr int kStarts = 20;
 constexpr StartWatch kWatch{.patience_s = 3.0, .stretch_s = 2.0};
 constexpr StartChoice kInMotion{
-    .count = kStarts, .least_speed = 0.1, .playing_s = kWatch.patience_s + kWatch.stretch_s};
+    .count = kStarts, .min_speed = 0.1, .playing_s = kWatch.patience_s + kWatch.stretch_s};
 
 bool succeeded(const StartOutcome& outcome) {
   return outcome.first_pose_s.value_or(1e9) <= kWatch.patience_s &&

@@ -105,7 +105,7 @@ std::vector<double> starts_in_motion(const RecordedFlight& flight, const StartCh
   for (int frame = 0; frame + playing <= frames; ++frame) {
     const double start_s = kFramePeriod * frame;
     const auto speed = speed_at(truth, first + from_seconds(start_s));
-    if (speed && *speed > choice.least_speed) moving.push_back(start_s);
+    if (speed && *speed > choice.min_speed) moving.push_back(start_s);
   }
   if (moving.empty() || choice.count < 2) return moving;
   std::vector<double> starts;

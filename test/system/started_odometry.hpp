@@ -21,10 +21,10 @@ struct StartOutcome {
 };
 
 /// Starts [s from the first image] spread evenly over the instants at which the body is faster than
-/// `least_speed` [m/s] by the ground truth and `playing_s` seconds of images follow.
+/// `min_speed` [m/s] by the ground truth and `playing_s` seconds of images follow.
 struct StartChoice {
   int count = 0;
-  double least_speed = 0.0;
+  double min_speed = 0.0;
   double playing_s = 0.0;
 };
 std::vector<double> starts_in_motion(const RecordedFlight& flight, const StartChoice& choice);

@@ -52,8 +52,8 @@ class World : public testing::Test {
 
 TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
   const auto map = built_map(simulated("survey", {"--no-images", "--lidar"}), scratch_).string();
-  const auto images = simulated("images", {"--session", "summer", "--seed", "2"});
-  const auto tracks = simulated("tracks", {"--session", "autumn", "--seed", "2", "--tracks"});
+  const auto images = simulated("images", {"--season", "summer", "--seed", "2"});
+  const auto tracks = simulated("tracks", {"--season", "autumn", "--seed", "2", "--tracks"});
   const Words in_map{"--map", map, "--initial-pose", images.displaced_start_pose()};
   Words by_tracks = in_map;
   by_tracks.emplace_back("--tracks");

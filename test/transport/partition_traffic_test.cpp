@@ -63,7 +63,7 @@ struct ExchangeBytes {
 };
 
 /// Of the first pair, while each of the others makes an exchange of its own.
-ExchangeBytes least_bytes(const std::vector<Pair>& pairs) {
+ExchangeBytes min_bytes(const std::vector<Pair>& pairs) {
   ExchangeBytes least;
   for (std::uint32_t number = 1; number <= kExchanges; ++number) {
     const ChannelStatistics before = pairs.front().robot_end.statistics();
@@ -87,7 +87,7 @@ TEST(PartitionTraffic, OfARobotStaysTheSameWhenALocalizerAndNineRobotsJoin) {
   const auto robot_1 = join(ChannelRole::kRobot, "robot_1");
   std::vector<Pair> pairs{{"robot_1", "cloud_1", *robot_1, *cloud_1}};
   ASSERT_TRUE(pairs[0].is_matched());
-  const ExchangeBytes alone = least_bytes(pairs);
+  const ExchangeBytes alone = min_bytes(pairs);
 
   std::size_t expected = 0;
   for (const Message& message : {numbered_submap(1, "robot_1", kRows), status_of("robot_1")}) {
@@ -105,7 +105,7 @@ TEST(PartitionTraffic, OfARobotStaysTheSameWhenALocalizerAndNineRobotsJoin) {
         {name, is_first ? "cloud_1" : "cloud_2", *robots.back(), is_first ? *cloud_1 : *cloud_2});
     ASSERT_TRUE(pairs.back().is_matched()) << name;
   }
-  const ExchangeBytes among_others = least_bytes(pairs);
+  const ExchangeBytes among_others = min_bytes(pairs);
   EXPECT_EQ(among_others.sent, alone.sent);
   EXPECT_EQ(among_others.received, alone.received);
 }

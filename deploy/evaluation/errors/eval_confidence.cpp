@@ -9,10 +9,10 @@ namespace fleetloc {
 namespace {
 
 constexpr double kWrongMetres = 0.5;
-constexpr double kDeviations = 3.0;
+constexpr double kSigmas = 3.0;
 
 // Position error in body axes over its covariance; the tangent is [rotation, translation].
-double deviations(const PosePair& pair, const Matrix6d& covariance) {
+double sigmas(const PosePair& pair, const Matrix6d& covariance) {
   const Eigen::Vector3d error_body =
       pair.T_estimate_body.R.conjugate() * (pair.T_truth_body.p - pair.T_estimate_body.p);
   const Eigen::Matrix3d P = covariance.bottomRightCorner<3, 3>();
@@ -34,7 +34,7 @@ nlohmann::json confidence(const std::vector<PosePair>& map_poses,
     const double error_m = (pair.T_truth_body.p - pair.T_estimate_body.p).norm();
     ++localized;
     worst_m = std::max(worst_m, error_m);
-    if (error_m > kWrongMetres && !(deviations(pair, found->covariance) <= kDeviations)) ++wrong;
+    if (error_m > kWrongMetres && !(sigmas(pair, found->covariance) <= kSigmas)) ++wrong;
   }
   if (localized == 0) return nullptr;
   return {{"localized_frames", localized}, {"worst_m", worst_m}, {"confidently_wrong", wrong}};

@@ -13,7 +13,7 @@ std::string identity_of(const SimulatedDataset& dataset, const Programs& program
   return fingerprint.add("program", programs.fingerprint("sim"))
       .add_file("scene", dataset.scene)
       .add_file("route", dataset.route)
-      .add("session", dataset.session)
+      .add("season", dataset.season)
       .add("seed", std::to_string(dataset.seed))
       .add("scene seed", std::to_string(dataset.scene_seed))
       .add("rest", exact_text(dataset.rest_s))
@@ -34,8 +34,8 @@ std::vector<std::string> simulation(const SimulatedDataset& dataset,
                                  dataset.scene.string(),
                                  "--route",
                                  dataset.route.string(),
-                                 "--session",
-                                 dataset.session,
+                                 "--season",
+                                 dataset.season,
                                  "--seed",
                                  std::to_string(dataset.seed),
                                  "--scene-seed",
@@ -121,7 +121,7 @@ std::vector<Task> Inputs::missing_datasets(int threads) const {
   std::vector<Task> tasks;
   for (const auto& [folder, dataset] : recipes_) {
     if (fs::exists(folder)) continue;
-    const std::string name = (dataset.survey ? "survey " : "dataset ") + dataset.session;
+    const std::string name = (dataset.survey ? "survey " : "dataset ") + dataset.season;
     tasks.push_back(
         {name,
          [this, name, threads, folder = folder, dataset = dataset](const std::stop_token& stop,

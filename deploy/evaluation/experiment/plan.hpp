@@ -18,7 +18,7 @@ struct SimulatedDataset {
   std::filesystem::path scene;
   std::filesystem::path route;
   std::filesystem::path built_along;  ///< route that the world is built around; empty: this one
-  std::string session;
+  std::string season;
   std::uint64_t seed = 1;
   std::uint64_t scene_seed = 1;
   double rest_s = 0.0;  ///< before recorded poses

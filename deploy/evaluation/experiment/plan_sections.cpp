@@ -25,10 +25,10 @@ std::uint64_t seed_or(ConfigReader& section, const std::string& key, std::uint64
   return static_cast<std::uint64_t>(section.integer(key, 0, std::numeric_limits<int>::max()));
 }
 
-void expect_session(ConfigReader& section, const fs::path& scene, const std::string& session) {
+void expect_season(ConfigReader& section, const fs::path& scene, const std::string& season) {
   ConfigReader world = ConfigReader::from_file(scene);
-  if (!world.section("sessions").has(session)) {
-    section.fail("session", "'" + session + "' is not in " + scene.string());
+  if (!world.section("seasons").has(season)) {
+    section.fail("season", "'" + season + "' is not in " + scene.string());
   }
 }
 
@@ -39,8 +39,8 @@ SimulatedDataset read_simulated(ConfigReader section, const fs::path& base) {
   if (section.has("built_along")) {
     dataset.built_along = existing_file(section, "built_along", base);
   }
-  dataset.session = section.get<std::string>("session");
-  expect_session(section, dataset.scene, dataset.session);
+  dataset.season = section.get<std::string>("season");
+  expect_season(section, dataset.scene, dataset.season);
   dataset.seed = seed_or(section, "seed", 1);
   dataset.scene_seed = seed_or(section, "scene_seed", 1);
   constexpr double kLongest_s = 1e6;
@@ -93,13 +93,13 @@ void read_direction(ConfigReader& section, LinkDirection& direction) {
   constexpr double kLongest_s = 3600.0;
   constexpr double kFastest = 1e12;
   constexpr double kQueue_s = 2.0;  // of the bottleneck, as fleetloc-replay has it
-  constexpr std::size_t kLeastQueue = 8000;
+  constexpr std::size_t kMinQueue = 8000;
   if (section.has("loss")) direction.loss = section.number("loss", 0.0, 1.0);
   if (section.has("latency_s")) direction.delay_s = section.number("latency_s", 0.0, kLongest_s);
   if (!section.has("bandwidth_bytes_per_s")) return;
   direction.rate_bytes_per_s = section.number("bandwidth_bytes_per_s", 1.0, kFastest);
   direction.queue_bytes =
-      std::max(kLeastQueue, static_cast<std::size_t>(kQueue_s * direction.rate_bytes_per_s));
+      std::max(kMinQueue, static_cast<std::size_t>(kQueue_s * direction.rate_bytes_per_s));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <optional>
 
-#include "deploy/evaluation/experiment/start_pose.hpp"
+#include "deploy/evaluation/experiment/initial_pose.hpp"
 #include "deploy/process/child_process.hpp"
 
 namespace fleetloc {

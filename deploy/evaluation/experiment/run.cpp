@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "deploy/evaluation/experiment/fingerprint.hpp"
+#include "deploy/evaluation/experiment/initial_pose.hpp"
 #include "deploy/evaluation/experiment/player.hpp"
-#include "deploy/evaluation/experiment/start_pose.hpp"
 
 namespace fleetloc {
 namespace {

@@ -9,12 +9,12 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kLeast = 1e-4;  // smaller values are no longer told apart
+constexpr double kMin = 1e-4;  // smaller values are no longer told apart
 constexpr std::array<const char*, 3> kColours{colour::kBlue, colour::kVermillion, colour::kGreen};
 
 struct Range {
-  double least = 0.0;
-  double most = 0.0;
+  double min = 0.0;
+  double max = 0.0;
 };
 
 std::optional<Range> range_of(const BoxFigure& figure) {
@@ -22,10 +22,9 @@ std::optional<Range> range_of(const BoxFigure& figure) {
   for (const BoxGroup& group : figure.groups) {
     for (const auto& box : group.boxes) {
       if (!box) continue;
-      const double least = std::max(kLeast, box->p5);
-      const double most = std::max(kLeast, box->max);
-      range = range ? Range{std::min(range->least, least), std::max(range->most, most)}
-                    : Range{least, most};
+      const double min = std::max(kMin, box->p5);
+      const double max = std::max(kMin, box->max);
+      range = range ? Range{std::min(range->min, min), std::max(range->max, max)} : Range{min, max};
     }
   }
   return range;
@@ -44,7 +43,7 @@ std::vector<std::vector<double>> rows_of(const BoxFigure& figure,
     const Box& box = *boxes[series];
     std::vector<double> row{static_cast<double>(i) + offset};
     for (const double value : {box.q1, box.p5, box.p95, box.q3, box.median, box.max}) {
-      row.push_back(std::max(kLeast, value));
+      row.push_back(std::max(kMin, value));
     }
     rows.push_back(row);
   }
@@ -100,13 +99,13 @@ std::string box_figure(const BoxFigure& figure) {
   const std::string tics = tics_of(figure, turned);
   Drawing drawing(figure.id, figure.title, kHeight_px + (turned ? kTurnedLabels_px : 0));
   const double width = 0.8 / static_cast<double>(figure.series.size());
-  const double least = rounded_down(0.9 * range->least);
-  const double most = rounded_up(1.1 * std::max(range->most, 2.0 * least));
+  const double min = rounded_down(0.9 * range->min);
+  const double max = rounded_up(1.1 * std::max(range->max, 2.0 * min));
   drawing.command(
       "set logscale y\nset format y '%g'\nset grid noxtics\nset key samplen 1.2 font ',13' width "
       "-3");
-  drawing.command("set yrange [" + plot_number(least) + ":" + plot_number(most) + "]");
-  if (most < 1e3 * least) drawing.command("set ytics (" + log_tics(least, most) + ")");
+  drawing.command("set yrange [" + plot_number(min) + ":" + plot_number(max) + "]");
+  if (max < 1e3 * min) drawing.command("set ytics (" + log_tics(min, max) + ")");
   drawing.command(
       "set xrange [-0.6:" + plot_number(static_cast<double>(figure.groups.size()) - 0.4) + "]");
   drawing.command("set xtics " + std::string(turned ? "rotate by -40 " : "") + "(" + tics + ")");

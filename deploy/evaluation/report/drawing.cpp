@@ -74,16 +74,15 @@ std::string Drawing::svg() const {
   return inlined(gnuplot_output(script_), id_, title_);
 }
 
-Series thinned(const Series& series, std::size_t most) {
-  if (series.size() <= most) return series;
+Series thinned(const Series& series, std::size_t max) {
+  if (series.size() <= max) return series;
   const double begin = series.front().first;
   const double length = series.back().first - begin;
   Series kept;
   std::size_t interval = 0;
   for (const auto& point : series) {
     const double share = (point.first - begin) / length;
-    const auto its =
-        std::min(most - 1, static_cast<std::size_t>(share * static_cast<double>(most)));
+    const auto its = std::min(max - 1, static_cast<std::size_t>(share * static_cast<double>(max)));
     if (kept.empty() || its != interval) {
       kept.push_back(point);
     } else if (std::abs(point.second) > std::abs(kept.back().second)) {
@@ -109,11 +108,11 @@ std::string plot_number(double value) {
   return text.data();
 }
 
-double tic_step(double range, int most) {
-  const double least = range / most;
-  const double decade = std::pow(10.0, std::floor(std::log10(least)));
+double tic_step(double range, int max) {
+  const double min = range / max;
+  const double decade = std::pow(10.0, std::floor(std::log10(min)));
   for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= least * (1.0 - 1e-9)) return factor * decade;
+    if (factor * decade >= min * (1.0 - 1e-9)) return factor * decade;
   }
   return 10.0 * decade;
 }
@@ -131,10 +130,10 @@ double rounded_up(double value) {
   return down >= value ? down : rounded_down(2.51 * down);  // 2.51: from 2 to 5
 }
 
-std::string log_tics(double least, double most) {
+std::string log_tics(double min, double max) {
   std::string tics;
-  double value = rounded_up(0.99 * least);
-  while (value <= 1.01 * most) {
+  double value = rounded_up(0.99 * min);
+  while (value <= 1.01 * max) {
     tics += (tics.empty() ? "" : ", ") + plot_string(plot_number(value)) + " " + plot_number(value);
     value = rounded_up(1.01 * value);
   }

@@ -47,14 +47,14 @@ using Series = std::vector<std::pair<double, double>>;
 
 /// At most `most` points: of each of so many equal intervals of time, that of the largest |value|,
 /// so that peaks stay.
-Series thinned(const Series& series, std::size_t most);
+Series thinned(const Series& series, std::size_t max);
 
 /// Text in quotes, and a number of six digits, as gnuplot reads them.
 std::string plot_string(std::string_view text);
 std::string plot_number(double value);
 
 /// What gnuplot's `set xtics`, `set ytics` take: few steps of 1, 2 or 5.
-double tic_step(double range, int most);
+double tic_step(double range, int max);
 
 /// The next of ..., 0.1, 0.2, 0.5, 1, 2, 5, ... that is not above the value, which is positive.
 double rounded_down(double value);
@@ -62,6 +62,6 @@ double rounded_down(double value);
 double rounded_up(double value);
 
 /// Tics of a logarithmic axis: `"0.01" 0.01, "0.02" 0.02, ...`, all of 1, 2, 5 in the range.
-std::string log_tics(double least, double most);
+std::string log_tics(double min, double max);
 
 }  // namespace fleetloc

@@ -8,8 +8,8 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMostPoints = 700;  // of a line
-constexpr double kLongestGap_s = 1.0;     // that a line is drawn across
+constexpr std::size_t kMaxPoints = 700;  // of a line
+constexpr double kLongestGap_s = 1.0;    // that a line is drawn across
 constexpr double kDeviations = 3.0;
 
 /// Rows for gnuplot, with an empty one in each gap.
@@ -18,7 +18,7 @@ std::vector<std::vector<double>> rows_of(const Series& series) {
       kLongestGap_s,
       series.empty()
           ? 0.0
-          : 3.0 * (series.back().first - series.front().first) / static_cast<double>(kMostPoints));
+          : 3.0 * (series.back().first - series.front().first) / static_cast<double>(kMaxPoints));
   std::vector<std::vector<double>> rows;
   double before = series.empty() ? 0.0 : series.front().first;
   for (const auto& [time, value] : series) {
@@ -34,7 +34,7 @@ Series distances(const RunData& run, std::span<const PosePair> pairs) {
   for (const PosePair& pair : pairs) {
     series.emplace_back(run.seconds(pair.stamp), std::max(position_error(pair).norm(), 1e-4));
   }
-  return thinned(series, kMostPoints);
+  return thinned(series, kMaxPoints);
 }
 
 /// One of x, y, z and yaw: its error and three sigmas.
@@ -79,12 +79,12 @@ double share_within(const Components& components) {
 
 /// Half the height of a panel: all errors, and the bound but for its longest excursions.
 double half_range(const Component& component) {
-  double most = 0.0;
-  for (const auto& [time, error] : component.error) most = std::max(most, std::abs(error));
+  double max = 0.0;
+  for (const auto& [time, error] : component.error) max = std::max(max, std::abs(error));
   std::vector<double> bounds;
   for (const auto& [time, bound] : component.bound) bounds.push_back(bound);
   std::ranges::sort(bounds);
-  return 1.1 * std::max({most, bounds[bounds.size() * 9 / 10], 1e-6});
+  return 1.1 * std::max({max, bounds[bounds.size() * 9 / 10], 1e-6});
 }
 
 void plot_component(Drawing& drawing,
@@ -93,8 +93,8 @@ void plot_component(Drawing& drawing,
                     const std::string& label,
                     const std::string& titles) {
   const double half = half_range(component);
-  const Series bound = thinned(component.bound, kMostPoints);
-  drawing.data(name + "_error", rows_of(thinned(component.error, kMostPoints)));
+  const Series bound = thinned(component.bound, kMaxPoints);
+  drawing.data(name + "_error", rows_of(thinned(component.error, kMaxPoints)));
   drawing.data(name + "_bound", rows_of(bound));
   drawing.command("set yrange [" + plot_number(-half) + ":" + plot_number(half) + "]");
   drawing.command("set ytics " + plot_number(tic_step(2.0 * half, 5)));
@@ -141,11 +141,11 @@ std::string comparison_figure(const RunData& run, const RunErrors& errors, const
   if (plot.empty()) return "";
   std::ranges::sort(values);
   // The odometry starts with no error at all.
-  const double least = rounded_down(values[values.size() / 25]);
-  const double most = rounded_up(1.05 * std::max(values.back(), 2.0 * least));
-  drawing.command("set yrange [" + plot_number(least) + ":" + plot_number(most) + "]");
-  const bool is_short = most < 1e3 * least;  // else decades are enough
-  if (is_short) drawing.command("set ytics (" + log_tics(least, most) + ")");
+  const double min = rounded_down(values[values.size() / 25]);
+  const double max = rounded_up(1.05 * std::max(values.back(), 2.0 * min));
+  drawing.command("set yrange [" + plot_number(min) + ":" + plot_number(max) + "]");
+  const bool is_short = max < 1e3 * min;  // else decades are enough
+  if (is_short) drawing.command("set ytics (" + log_tics(min, max) + ")");
   drawing.command(plot);
   return drawing.svg();
 }

@@ -79,16 +79,16 @@ void add_runs(const Cells& cells, const View& view, int row, MapLayer& layer) {
 }  // namespace
 
 MapLayer map_layer(std::span<const Eigen::Vector3f> points, const View& view) {
-  constexpr double kLeast_px = 2.0;
-  constexpr double kMost_px = 8.0;
-  constexpr std::size_t kMostRows = 18'000;  // a third of a megabyte in a page
-  double side_px = kLeast_px;
+  constexpr double kMin_px = 2.0;
+  constexpr double kMax_px = 8.0;
+  constexpr std::size_t kMaxRows = 18'000;  // a third of a megabyte in a page
+  double side_px = kMin_px;
   while (true) {
     const Cells cells = cells_of(points, view, side_px);
     MapLayer layer{.cell_px = side_px, .light = {}, .dark = {}};
     for (int row = 0; row < cells.rows; ++row) add_runs(cells, view, row, layer);
-    const bool is_small = layer.light.size() + layer.dark.size() <= kMostRows;
-    if (side_px >= kMost_px || (is_small && is_dense(cells))) return layer;
+    const bool is_small = layer.light.size() + layer.dark.size() <= kMaxRows;
+    if (side_px >= kMax_px || (is_small && is_dense(cells))) return layer;
     ++side_px;
   }
 }

@@ -10,9 +10,9 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-constexpr std::size_t kMostPoints = 600;  // of a line
-constexpr double kMostIntervals = 300.0;  // that bytes are summed over
-constexpr std::size_t kMostMarks = 400;   // of answers in one row
+constexpr std::size_t kMaxPoints = 600;  // of a line
+constexpr double kMaxIntervals = 300.0;  // that bytes are summed over
+constexpr std::size_t kMaxMarks = 400;   // of answers in one row
 
 double length_s(const RunData& run) {
   return run.frames.empty() ? 0.0 : run.seconds(run.frames.back().stamp);
@@ -42,10 +42,10 @@ Rows rates(const RunData& run, double FrameDiagnostics::*counter, double interva
 }
 
 /// From zero to a little above the largest value, and to `least` at any rate.
-std::string range_from_zero(const Rows& rows, double least) {
-  double most = least;
-  for (const auto& row : rows) most = std::max(most, 1.1 * row[1]);
-  return "set yrange [0:" + plot_number(most) + "]\nset ytics " + plot_number(tic_step(most, 5)) +
+std::string range_from_zero(const Rows& rows, double min) {
+  double max = min;
+  for (const auto& row : rows) max = std::max(max, 1.1 * row[1]);
+  return "set yrange [0:" + plot_number(max) + "]\nset ytics " + plot_number(tic_step(max, 5)) +
          "\n";
 }
 
@@ -91,12 +91,12 @@ Rows boxes(const RunData& run, const Lane& lane, double y) {
 /// Upright strokes, one for all answers that are not to be told apart.
 Rows strokes(const RunData& run, bool applied, double y) {
   constexpr double kHalf = 0.3;
-  const double least_s = length_s(run) / static_cast<double>(kMostMarks);
+  const double min_s = length_s(run) / static_cast<double>(kMaxMarks);
   Rows rows;
   double before = -1e9;
   for (const AnswerMark& answer : run.answers) {
     const double time = run.seconds(answer.arrival);
-    if (answer.applied != applied || time - before < least_s) continue;
+    if (answer.applied != applied || time - before < min_s) continue;
     rows.push_back({time, y - kHalf});
     rows.push_back({time, y + kHalf});
     rows.emplace_back();
@@ -112,7 +112,7 @@ std::string bytes_figure(const RunData& run, const std::string& id) {
   if (length <= 0.0 || run.frames.back().uplink_bytes + run.frames.back().downlink_bytes <= 0.0) {
     return "";
   }
-  const double interval_s = std::max(1.0, std::ceil(length / kMostIntervals));
+  const double interval_s = std::max(1.0, std::ceil(length / kMaxIntervals));
   Drawing drawing(id + "bytes", "payload per second, up and down", 280);
   const Rows up = rates(run, &FrameDiagnostics::uplink_bytes, interval_s);
   const Rows down = rates(run, &FrameDiagnostics::downlink_bytes, interval_s);
@@ -140,9 +140,9 @@ std::string link_figure(const RunData& run, const std::string& id) {
   }
   if (round_trip.empty()) return "";
   Drawing drawing(id + "link", "round trip and loss over time", 380);
-  const auto panel = [&](const char* name, const Rows& rows, double least, const char* style) {
+  const auto panel = [&](const char* name, const Rows& rows, double min, const char* style) {
     drawing.data(name, rows);
-    drawing.command(range_from_zero(rows, least) + "plot $" + name + " with steps linewidth 1.6 " +
+    drawing.command(range_from_zero(rows, min) + "plot $" + name + " with steps linewidth 1.6 " +
                     style);
   };
   drawing.command(time_axis(length_s(run)) + "\nset xlabel ''\nset format x ''");
@@ -150,12 +150,12 @@ std::string link_figure(const RunData& run, const std::string& id) {
       "set multiplot layout 2,1 margins screen 0.18,0.97,0.14,0.96 spacing screen 0.05\n"
       "set ylabel 'round trip [s]' offset 0.5,0");
   panel("round_trip",
-        changes(thinned(round_trip, kMostPoints)),
+        changes(thinned(round_trip, kMaxPoints)),
         1e-3,
         "linecolor rgb '#0072B2' notitle");
   drawing.command("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4");
   drawing.command("set ylabel 'loss [%]' offset 0.5,0");
-  panel("loss", changes(thinned(loss, kMostPoints)), 5.0, "linecolor rgb '#D55E00' notitle");
+  panel("loss", changes(thinned(loss, kMaxPoints)), 5.0, "linecolor rgb '#D55E00' notitle");
   drawing.command("unset multiplot");
   return drawing.svg();
 }

@@ -6,10 +6,10 @@
 namespace fleetloc {
 
 std::string session_figure(const std::vector<SessionRow>& rows, const std::string& id) {
-  constexpr std::size_t kMostRows = 24;  // more are no picture any more; the table has them all
+  constexpr std::size_t kMaxRows = 24;  // more are no picture any more; the table has them all
   constexpr double kHalf = 0.34;
   if (rows.empty()) return "";
-  const std::size_t count = std::min(rows.size(), kMostRows);
+  const std::size_t count = std::min(rows.size(), kMaxRows);
   Drawing drawing(id,
                   "time of an optimization in the cloud, median and 99th percentile",
                   100 + 30 * static_cast<int>(count));

@@ -15,10 +15,10 @@ constexpr int kTop = 34;
 constexpr int kBottom = 60;
 constexpr int kColourBar = 52;
 constexpr int kPlotWidth = kWidth_px - kLeft - kRight;
-constexpr int kLeastHeight = 200;
-constexpr int kMostHeight = 520;
-constexpr std::size_t kMostPoints = 900;  // of a trajectory
-constexpr double kLongestGap_s = 1.0;     // that a line is drawn across
+constexpr int kMinHeight = 200;
+constexpr int kMaxHeight = 520;
+constexpr std::size_t kMaxPoints = 900;  // of a trajectory
+constexpr double kLongestGap_s = 1.0;    // that a line is drawn across
 
 struct TrackPoint {
   Timestamp stamp;
@@ -66,16 +66,15 @@ View view_of(std::span<const Track> tracks, std::span<const Eigen::Vector3f> map
   if (!around.isEmpty()) box.extend(around);
   const Eigen::Vector2d size = (1.08 * box.sizes()).cwiseMax(2.0);
   View view{.width_px = kPlotWidth};
-  view.metres_per_px = std::max(size.x() / kPlotWidth, size.y() / kMostHeight);
-  view.height_px =
-      std::max(kLeastHeight, static_cast<int>(std::ceil(size.y() / view.metres_per_px)));
+  view.metres_per_px = std::max(size.x() / kPlotWidth, size.y() / kMaxHeight);
+  view.height_px = std::max(kMinHeight, static_cast<int>(std::ceil(size.y() / view.metres_per_px)));
   view.corner_m = box.center() - 0.5 * view.size_m();
   return view;
 }
 
 /// Thinned, with an empty row where the line is interrupted.
 std::vector<std::vector<double>> rows_of(const Track& track) {
-  const std::size_t step = track.size() / kMostPoints + 1;
+  const std::size_t step = track.size() / kMaxPoints + 1;
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < track.size(); ++i) {
     const TrackPoint& point = track[i];
@@ -165,37 +164,36 @@ class MapDrawing {
 };
 
 struct ColourRange {
-  double least_m;
-  double most_m;
+  double min_m;
+  double max_m;
 };
 
 /// From what is good for the localized pose to the worst of all.
 ColourRange colour_range(std::span<const Track> tracks) {
-  double least = 1e9;
-  double most = 0.0;
+  double min = 1e9;
+  double max = 0.0;
   for (const Track& track : tracks) {
     std::vector<double> values;
     for (const TrackPoint& point : track) values.push_back(point.error_m);
     if (values.empty()) continue;
     std::ranges::sort(values);
-    least = std::min(least, values[values.size() / 10]);
-    most = std::max(most, values.back());
+    min = std::min(min, values[values.size() / 10]);
+    max = std::max(max, values.back());
   }
-  least = rounded_down(std::max(least, 1e-3));
-  most = rounded_up(std::max(most, least));
-  return {.least_m = least, .most_m = std::max(most, 10.0 * least)};
+  min = rounded_down(std::max(min, 1e-3));
+  max = rounded_up(std::max(max, min));
+  return {.min_m = min, .max_m = std::max(max, 10.0 * min)};
 }
 
 void set_colour_bar(Drawing& drawing, const ColourRange& range, int height_px) {
   const double height = height_px;
   drawing.command("set logscale cb");
-  drawing.command("set cbrange [" + plot_number(range.least_m) + ":" + plot_number(range.most_m) +
+  drawing.command("set cbrange [" + plot_number(range.min_m) + ":" + plot_number(range.max_m) +
                   "]");
   drawing.command("set colorbox horizontal user origin " + screen(kLeft, kWidth_px) + "," +
                   screen(42, height) + " size " + screen(kPlotWidth, kWidth_px) + "," +
                   screen(11, height) + "");
-  drawing.command("set cbtics scale 0.4 offset 0,0.3 (" + log_tics(range.least_m, range.most_m) +
-                  ")");
+  drawing.command("set cbtics scale 0.4 offset 0,0.3 (" + log_tics(range.min_m, range.max_m) + ")");
   drawing.command("set cblabel 'error of position [m]' offset 0,0.5");
 }
 

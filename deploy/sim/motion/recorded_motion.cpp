@@ -47,11 +47,11 @@ void refit(const SplineGrid& grid, Channel& channel) {
 
 /// Huber's weights at the present residuals.
 void reweight(const SplineGrid& grid, Channel& channel) {
-  constexpr double kLeast = 1e-9;
+  constexpr double kMin = 1e-9;
   const std::vector<double> norms = residual_norms(grid, channel);
-  const double bound = std::max(kLeast, kHuberMedians * median_of(norms));
+  const double bound = std::max(kMin, kHuberMedians * median_of(norms));
   for (std::size_t i = 0; i < norms.size(); ++i) {
-    channel.samples.weights[i] = std::min(1.0, bound / std::max(kLeast, norms[i]));
+    channel.samples.weights[i] = std::min(1.0, bound / std::max(kMin, norms[i]));
   }
 }
 

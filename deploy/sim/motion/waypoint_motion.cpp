@@ -20,7 +20,7 @@ constexpr double kRestAtEnd = 0.5;  // [s]
 std::vector<double> speeds_along(const RoutePath& path,
                                  double speed,
                                  const MotionMagnitudes& limits) {
-  constexpr double kLeast = 0.05;  // keeps time finite [m/s]
+  constexpr double kMin = 0.05;  // keeps time finite [m/s]
   const double acceleration = kShareOfLimit * limits.acceleration;
   std::vector<double> speeds;
   for (const double curvature : path.curvature_per_m) {
@@ -29,7 +29,7 @@ std::vector<double> speeds_along(const RoutePath& path,
         std::min({speed, kShareOfLimit * limits.turn_rate / bend, std::sqrt(acceleration / bend)}));
   }
   const double gain = 2.0 * acceleration * path.step_m;
-  speeds.front() = speeds.back() = kLeast;
+  speeds.front() = speeds.back() = kMin;
   for (std::size_t i = 1; i < speeds.size(); ++i) {
     speeds[i] = std::min(speeds[i], std::sqrt(speeds[i - 1] * speeds[i - 1] + gain));
   }

@@ -65,7 +65,7 @@ RecordFitConfig read_replayed_record(ConfigReader section) {
 }  // namespace
 
 SimConfig read_sim_config(ConfigReader section) {
-  constexpr int kMostPoints = 50'000'000;
+  constexpr int kMaxPoints = 50'000'000;
   SimConfig config;
   config.start_s = section.positive("start_s");
   config.ground_truth_hz = section.positive("ground_truth_hz");
@@ -81,8 +81,8 @@ SimConfig read_sim_config(ConfigReader section) {
   ConfigReader merged = section.section("merged_cloud");
   config.merged_cloud = {
       .voxel_m = merged.positive("voxel_m"),
-      .most_points = static_cast<std::size_t>(merged.integer("most_points", 8, kMostPoints)),
-      .most_range_m = merged.positive("most_range_m")};
+      .max_points = static_cast<std::size_t>(merged.integer("max_points", 8, kMaxPoints)),
+      .max_range_m = merged.positive("max_range_m")};
   config.limits = read_motion_limits(section.section("limits"));
   ConfigReader record = section.section("record");
   config.record = read_record_fit_config(record, config.limits);
@@ -91,7 +91,7 @@ SimConfig read_sim_config(ConfigReader section) {
   config.vibration = read_vibration_config(section.section("vibration"));
   ConfigReader surfels = section.section("surfels");
   config.surfels = {.size_spacings = surfels.positive("size_spacings"),
-                    .most_size_m = surfels.positive("most_size_m")};
+                    .max_size_m = surfels.positive("max_size_m")};
   section.expect_fully_read();
   return config;
 }

@@ -16,14 +16,14 @@ namespace fleetloc {
 /// Point cloud of all scans in map.
 struct MergedCloudConfig {
   double voxel_m = 0.0;
-  std::size_t most_points = 0;
-  double most_range_m = 0.0;
+  std::size_t max_points = 0;
+  double max_range_m = 0.0;
 };
 
 /// Squares in place of points.
 struct SurfelConfig {
   double size_spacings = 0.0;  ///< half of the edge, in distances to the fourth neighbour
-  double most_size_m = 0.0;    ///< of half of the edge
+  double max_size_m = 0.0;     ///< of half of the edge
 };
 
 struct SimConfig {

@@ -8,8 +8,8 @@
 namespace fleetloc {
 
 double unmapped_share(const SimMotion& motion,
-                      const SessionScene& session,
-                      const SessionScene& survey,
+                      const SeasonScene& season,
+                      const SeasonScene& survey,
                       const SimConfig& config,
                       std::uint64_t seed) {
   constexpr int kImages = 16;
@@ -18,11 +18,11 @@ double unmapped_share(const SimMotion& motion,
   std::vector<SeenLandmark> landmarks;
   for (int i = 0; i < kImages; ++i) {
     const double time_s = motion.motion.duration() * (i + 0.5) / kImages;
-    StereoRenderer renderer(config.cameras, session, config.renderer, seed);  // a first exposure
+    StereoRenderer renderer(config.cameras, season, config.renderer, seed);  // a first exposure
     const StereoFrame frame =
         renderer.render({.stamp = motion.start, .time_s = time_s, .frame = 0}, T_map_body_at);
     const auto seen = seen_landmarks(frame.left,
-                                     session.at(time_s).caster,
+                                     season.at(time_s).caster,
                                      config.cameras.cam0,
                                      T_map_body_at(time_s) * config.cameras.T_body_cam0,
                                      kCorners);

@@ -11,8 +11,8 @@
 #include "cloud/point_cloud/voxel_cloud.hpp"
 #include "deploy/sim/recording/sim_tracks.hpp"
 #include "shared/concurrency/parallel_rows.hpp"
-#include "shared/dataset/sensor_file.hpp"
 #include "shared/config/progress_line.hpp"
+#include "shared/dataset/sensor_file.hpp"
 
 namespace fleetloc {
 namespace {
@@ -22,7 +22,7 @@ constexpr double kSlack = 1e-9;
 /// What is simulated, and how; all of it outlives the job.
 struct Job {
   const SimMotion& motion;
-  const SessionScene& scene;
+  const SeasonScene& scene;
   const SimConfig& config;
   const SimOptions& options;
   const std::stop_token& stop;
@@ -107,13 +107,13 @@ std::size_t write_images(const Job& job, DatasetWriter& writer) {
 void merge(const LidarScan& scan,
            const SimMotion& motion,
            const LidarCalibration& lidar,
-           double most_range_m,
+           double max_range_m,
            VoxelCloud& cloud) {
   const double begin_s = to_seconds(scan.stamp - motion.start);
   int column = -1;
   Pose T_map_lidar;
   for (const LidarPoint& point : scan.points) {
-    if (static_cast<double>(point.p_lidar.norm()) > most_range_m) continue;
+    if (static_cast<double>(point.p_lidar.norm()) > max_range_m) continue;
     if (point.column != column) {
       column = point.column;
       const double time_s = begin_s + lidar.column_time_s(column);
@@ -149,7 +149,7 @@ std::size_t write_scans(const Job& job, VoxelCloud& cloud) {
       const LidarScan& scan = scans[static_cast<std::size_t>(i)];
       writer.add(scan);
       if (options.merged_cloud) {
-        merge(scan, motion, calibration, config.merged_cloud.most_range_m, cloud);
+        merge(scan, motion, calibration, config.merged_cloud.max_range_m, cloud);
       }
       progress.show(++done, all.end - all.first);
     }
@@ -174,7 +174,7 @@ void copy_imu(const std::filesystem::path& file, const std::filesystem::path& ou
 }  // namespace
 
 SimCounts simulate(const SimMotion& motion,
-                   const SessionScene& scene,
+                   const SeasonScene& scene,
                    const SimConfig& config,
                    const SimOptions& options,
                    const std::stop_token& stop) {
@@ -203,7 +203,7 @@ SimCounts simulate(const SimMotion& motion,
   writer.finish();
   if (!options.recorded_imu.empty()) copy_imu(options.recorded_imu, options.out);
   if (options.lidar) {
-    VoxelCloud cloud(config.merged_cloud.voxel_m, config.merged_cloud.most_points);
+    VoxelCloud cloud(config.merged_cloud.voxel_m, config.merged_cloud.max_points);
     counts.scans = write_scans(job, cloud);
     if (options.merged_cloud) {
       const auto folder = options.out / "mav0" / "pointcloud0";

@@ -7,7 +7,7 @@
 
 #include "deploy/sim/recording/sim_config.hpp"
 #include "deploy/sim/recording/sim_motion.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 
 namespace fleetloc {
 
@@ -35,7 +35,7 @@ struct SimCounts {
 /// Writes the dataset; ends early, with what there is by then, if a stop is requested. The same
 /// bytes for one seed, however many threads work. Throws DatasetError and PointCloudError.
 SimCounts simulate(const SimMotion& motion,
-                   const SessionScene& scene,
+                   const SeasonScene& scene,
                    const SimConfig& config,
                    const SimOptions& options,
                    const std::stop_token& stop);

@@ -26,11 +26,11 @@ void label(cv::Mat& picture, const std::string& text) {
 }
 
 cv::Mat camera_picture(const SimMotion& motion,
-                       const SessionScene& session,
+                       const SeasonScene& season,
                        const SimConfig& config,
                        std::uint64_t seed,
                        double time_s) {
-  StereoRenderer renderer(config.cameras, session, config.renderer, seed);
+  StereoRenderer renderer(config.cameras, season, config.renderer, seed);
   const StereoFrame frame =
       renderer.render({.stamp = motion.start + from_seconds(time_s), .time_s = time_s, .frame = 0},
                       [&motion](double at_s) { return motion.motion.at(at_s).T_map_body; });
@@ -41,14 +41,14 @@ cv::Mat camera_picture(const SimMotion& motion,
 }
 
 cv::Mat lidar_picture(const SimMotion& motion,
-                      const SessionScene& session,
+                      const SeasonScene& season,
                       const SimConfig& config,
                       std::uint64_t seed,
                       double time_s) {
   constexpr double kHighest_m = 6.0;  // of the shades
   const Lidar lidar(config.lidar, seed);
   const auto index = static_cast<std::uint64_t>(time_s * config.lidar.calibration.rate_hz);
-  const LidarScan scan = lidar.scan(session.at(time_s).caster, motion.motion, motion.start, index);
+  const LidarScan scan = lidar.scan(season.at(time_s).caster, motion.motion, motion.start, index);
   cv::Mat picture(kHeight_px, kHeight_px, CV_8U, cv::Scalar(kWhite));
   for (const LidarPoint& point : scan.points) {
     const Eigen::Vector3d p = point.p_lidar.cast<double>();
@@ -65,19 +65,19 @@ cv::Mat lidar_picture(const SimMotion& motion,
 }  // namespace
 
 cv::Mat contact_sheet(const SimMotion& motion,
-                      std::span<const SessionScene> sessions,
+                      std::span<const SeasonScene> seasons,
                       const SimConfig& config,
                       std::uint64_t seed) {
   std::vector<cv::Mat> rows;
-  for (const SessionScene& session : sessions) {
+  for (const SeasonScene& season : seasons) {
     std::vector<cv::Mat> pictures;
     for (const double place : kPlaces) {
       const double time_s = place * motion.motion.duration();
-      pictures.push_back(camera_picture(motion, session, config, seed, time_s));
+      pictures.push_back(camera_picture(motion, season, config, seed, time_s));
     }
-    label(pictures.front(), session.config().name);
+    label(pictures.front(), season.config().name);
     const double first_s = kPlaces.front() * motion.motion.duration();
-    pictures.push_back(lidar_picture(motion, session, config, seed, first_s));
+    pictures.push_back(lidar_picture(motion, season, config, seed, first_s));
     rows.emplace_back();
     cv::hconcat(pictures, rows.back());
   }

@@ -7,15 +7,15 @@
 
 #include "deploy/sim/recording/sim_config.hpp"
 #include "deploy/sim/recording/sim_motion.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 
 namespace fleetloc {
 
-/// Pictures of a world to look at, a row for each session: what the left camera sees at four places
+/// Pictures of a world to look at, a row for each season: what the left camera sees at four places
 /// of the way, and a lidar scan at the first of them from above (60 m across; what is higher above
 /// the lidar is darker).
 cv::Mat contact_sheet(const SimMotion& motion,
-                      std::span<const SessionScene> sessions,
+                      std::span<const SeasonScene> seasons,
                       const SimConfig& config,
                       std::uint64_t seed);
 

@@ -8,7 +8,7 @@
 #include "deploy/sim/recording/sim_config.hpp"
 #include "deploy/sim/recording/sim_motion.hpp"
 #include "deploy/sim/sensors/track_statistics.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "robot/tracking/feature_tracker.hpp"
 
 namespace fleetloc {
@@ -16,7 +16,7 @@ namespace fleetloc {
 /// What the cameras of a simulation look at, frame by frame.
 struct SimFrames {
   const SimMotion* motion;
-  const SessionScene* scene;
+  const SeasonScene* scene;
   std::uint64_t first = 0;  ///< number of the first frame; they count from the motion's time zero
   std::uint64_t end = 0;
 };

@@ -54,11 +54,11 @@ float half_edge(const MapPoint& point,
                 const SurfelConfig& config) {
   constexpr std::size_t kNeighbour = 4;
   std::vector<double> distances;
-  const double most_spacing = config.most_size_m / config.size_spacings;
-  for (const std::size_t i : index.within(point.p_map.cast<double>(), most_spacing)) {
+  const double max_spacing = config.max_size_m / config.size_spacings;
+  for (const std::size_t i : index.within(point.p_map.cast<double>(), max_spacing)) {
     distances.push_back(static_cast<double>((map.point(i).p_map - point.p_map).norm()));
   }
-  if (distances.size() <= kNeighbour) return static_cast<float>(config.most_size_m);
+  if (distances.size() <= kNeighbour) return static_cast<float>(config.max_size_m);
   std::ranges::nth_element(distances, distances.begin() + kNeighbour);
   return static_cast<float>(config.size_spacings * distances[kNeighbour]);
 }
@@ -80,31 +80,31 @@ void add_square(const MapPoint& point, float half_edge_m, Mesh& mesh) {
   mesh.surfaces.insert(mesh.surfaces.end(), 2, surface_at(point));
 }
 
-SessionConfig light_from_everywhere() {
-  SessionConfig session{};
-  session.name = "cloud";
-  session.sun_elevation_rad = 1.0F;
-  session.sun = 0.0F;
-  session.ambient = 1.0F;
-  session.haze_m = 1e6F;
-  return session;
+SeasonConfig light_from_everywhere() {
+  SeasonConfig season{};
+  season.name = "cloud";
+  season.sun_elevation_rad = 1.0F;
+  season.sun = 0.0F;
+  season.ambient = 1.0F;
+  season.haze_m = 1e6F;
+  return season;
 }
 
 }  // namespace
 
-SessionScene surfel_scene(const LaserMap& map, const SurfelConfig& config) {
-  SessionScene::Parts parts{.config = light_from_everywhere(),
-                            .route = nullptr,
-                            .body_height_m = 0.0F,
-                            .mesh = {},
-                            .surfaces = surfaces(),
-                            .movers = {}};
+SeasonScene surfel_scene(const LaserMap& map, const SurfelConfig& config) {
+  SeasonScene::Parts parts{.config = light_from_everywhere(),
+                           .route = nullptr,
+                           .body_height_m = 0.0F,
+                           .mesh = {},
+                           .surfaces = surfaces(),
+                           .dynamic_objects = {}};
   const PointIndex index(map.points());
   for (const MapPoint& point : map.points()) {
     if (point.normal.squaredNorm() < 0.5F) continue;
     add_square(point, half_edge(point, map, index, config), parts.mesh);
   }
-  return SessionScene(std::move(parts));
+  return SeasonScene(std::move(parts));
 }
 
 }  // namespace fleetloc

@@ -6,39 +6,39 @@
 
 #include <Eigen/Geometry>
 
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "shared/geometry/pose.hpp"
 
 namespace fleetloc {
 
-/// A point of a surface, which goes where its thing goes.
+/// A point of a surface, which goes where its object goes.
 struct AnchoredPoint {
   std::uint32_t surface = 0;  ///< counts SceneView::surfaces
-  Eigen::Vector3d p_thing = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_object = Eigen::Vector3d::Zero();
 };
 
-inline Pose T_map_thing(const Surface& surface) {
+inline Pose T_map_object(const Surface& surface) {
   return {.R = Eigen::Quaterniond(Eigen::AngleAxisd(static_cast<double>(surface.frame.yaw_rad),
                                                     Eigen::Vector3d::UnitZ())),
           .p = surface.frame.p_map.cast<double>()};
 }
 
 inline Eigen::Vector3d p_map(const AnchoredPoint& point, const SceneView& world) {
-  return T_map_thing(world.surfaces[point.surface]) * point.p_thing;
+  return T_map_object(world.surfaces[point.surface]) * point.p_object;
 }
 
-/// What a ray from `from_map` meets first within `most_m`.
+/// What a ray from `from_map` meets first within `max_m`.
 inline std::optional<AnchoredPoint> first_point(const Eigen::Vector3d& from_map,
                                                 const Eigen::Vector3d& direction_map,
-                                                double most_m,
+                                                double max_m,
                                                 const SceneView& world) {
   const auto hit = world.caster.first_hit(
       {.origin_map = from_map.cast<float>(), .direction_map = direction_map.cast<float>()},
-      static_cast<float>(most_m));
+      static_cast<float>(max_m));
   if (!hit) return std::nullopt;
   const Eigen::Vector3d p = from_map + static_cast<double>(hit->distance_m) * direction_map;
   return AnchoredPoint{.surface = hit->surface,
-                       .p_thing = inverse(T_map_thing(world.surfaces[hit->surface])) * p};
+                       .p_object = inverse(T_map_object(world.surfaces[hit->surface])) * p};
 }
 
 }  // namespace fleetloc

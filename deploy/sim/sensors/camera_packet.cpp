@@ -25,7 +25,7 @@ ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pix
   view.rays.origin_x.fill(frame.p_map.x());
   view.rays.origin_y.fill(frame.p_map.y());
   view.rays.origin_z.fill(frame.p_map.z());
-  view.rays.least_m.fill(0.0F);
+  view.rays.min_m.fill(0.0F);
   const Eigen::Matrix3f& R = frame.R_map_cam;
   for (std::size_t i = 0; i < RayPacket::kSize; i += 4) {
     const Float4 x = load4(&packet.direction_x[i]);
@@ -35,7 +35,7 @@ ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pix
     store4(R(1, 0) * x + R(1, 1) * y + R(1, 2) * z, &view.rays.direction_y[i]);
     store4(R(2, 0) * x + R(2, 1) * y + R(2, 2) * z, &view.rays.direction_z[i]);
     const Int4 is_used = x * x + y * y + z * z > 0.0F;
-    store4(is_used ? all4(kFarthest_m) : all4(-1.0F), &view.rays.most_m[i]);
+    store4(is_used ? all4(kFarthest_m) : all4(-1.0F), &view.rays.max_m[i]);
   }
   return view;
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kFarthest_m = 1000.0F;
 constexpr float kMapped_m = 0.3F;
-constexpr double kLeastQuality = 0.01;  // of the best corner
+constexpr double kMinQuality = 0.01;  // of the best corner
 constexpr double kApart_px = 8.0;
 
 }  // namespace
@@ -33,7 +33,7 @@ std::vector<SeenLandmark> seen_landmarks(const cv::Mat& gray,
                                          const Pose& T_map_cam,
                                          int most) {
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(gray, corners, most, kLeastQuality, kApart_px);
+  cv::goodFeaturesToTrack(gray, corners, most, kMinQuality, kApart_px);
   std::vector<SeenLandmark> landmarks;
   for (const cv::Point2f& corner : corners) {
     const auto point = seen_point(world, camera, T_map_cam, {corner.x, corner.y});

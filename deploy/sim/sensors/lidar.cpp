@@ -51,19 +51,19 @@ Pose read_pose(ConfigReader& reader) {
 }  // namespace
 
 LidarConfig read_lidar_config(ConfigReader section) {
-  constexpr int kMostColumns = 65536;
+  constexpr int kMaxColumns = 65536;
   LidarConfig config;
   config.calibration = {.T_body_lidar = read_pose(section),
                         .rate_hz = section.positive("rate_hz"),
-                        .columns = section.integer("columns", 4, kMostColumns),
+                        .columns = section.integer("columns", 4, kMaxColumns),
                         .rings = section.integer("rings", 1, 128)};
   config.lowest_rad = kRadPerDeg * section.get<double>("lowest_deg");
   config.highest_rad = kRadPerDeg * section.get<double>("highest_deg");
   config.range_sigma_m = share_of_one(section, "range_sigma_m");
   config.dropout_share = share_of_one(section, "dropout_share");
-  config.least_m = section.positive("least_m");
-  config.most_m = section.positive("most_m");
-  config.most_incidence_rad = kRadPerDeg * section.positive("most_incidence_deg");
+  config.min_m = section.positive("min_m");
+  config.max_m = section.positive("max_m");
+  config.max_incidence_rad = kRadPerDeg * section.positive("max_incidence_deg");
   return config;
 }
 
@@ -96,10 +96,10 @@ void Lidar::measure_column(const RayCaster& world,
   const CounterRandom dropout(seed_, kDropout);
   const Eigen::Vector3f origin = T_map_lidar.p.cast<float>();
   const int rings = config_.calibration.rings;
-  const double least_cosine = std::cos(config_.most_incidence_rad);
+  const double min_cosine = std::cos(config_.max_incidence_rad);
   for (int first = 0; first < rings; first += RayPacket::kSize) {
     RayPacket rays{};
-    rays.most_m.fill(-1.0F);
+    rays.max_m.fill(-1.0F);
     const int used = std::min(RayPacket::kSize, rings - first);
     std::array<Eigen::Vector3d, RayPacket::kSize> directions;
     for (int lane = 0; lane < used; ++lane) {
@@ -112,8 +112,8 @@ void Lidar::measure_column(const RayCaster& world,
       rays.direction_x[i] = along.x();
       rays.direction_y[i] = along.y();
       rays.direction_z[i] = along.z();
-      rays.least_m[i] = static_cast<float>(config_.least_m);
-      rays.most_m[i] = static_cast<float>(config_.most_m);
+      rays.min_m[i] = static_cast<float>(config_.min_m);
+      rays.max_m[i] = static_cast<float>(config_.max_m);
     }
     const HitPacket hits = world.first_hits(rays);
     for (int lane = 0; lane < used; ++lane) {
@@ -124,7 +124,7 @@ void Lidar::measure_column(const RayCaster& world,
             hits.normal_z[i] * rays.direction_z[i]);
       const int ray = column * rings + first + lane;
       const auto item = static_cast<std::uint64_t>(ray);
-      if (cosine < least_cosine || dropout.uniform(index, item) < config_.dropout_share) continue;
+      if (cosine < min_cosine || dropout.uniform(index, item) < config_.dropout_share) continue;
       const double range = static_cast<double>(hits.distance_m[i]) +
                            config_.range_sigma_m * noise.normal(index, item);
       scan.points.push_back({.p_lidar = (range * directions[i]).cast<float>(),

@@ -14,13 +14,13 @@ namespace fleetloc {
 /// A lidar in the manner of the VLP-16.
 struct LidarConfig {
   LidarCalibration calibration{.T_body_lidar = {}, .rate_hz = 10.0, .columns = 1800, .rings = 16};
-  double lowest_rad = 0.0;          ///< elevation of ring 0; the others follow at equal angles
-  double highest_rad = 0.0;         ///< of the last ring
-  double range_sigma_m = 0.0;       ///< of each range, white
-  double dropout_share = 0.0;       ///< of the returns, missing at random
-  double least_m = 0.0;             ///< nearer surfaces give no return
-  double most_m = 0.0;              ///< farther ones neither
-  double most_incidence_rad = 0.0;  ///< between ray and normal; more grazing rays do not return
+  double lowest_rad = 0.0;         ///< elevation of ring 0; the others follow at equal angles
+  double highest_rad = 0.0;        ///< of the last ring
+  double range_sigma_m = 0.0;      ///< of each range, white
+  double dropout_share = 0.0;      ///< of the returns, missing at random
+  double min_m = 0.0;              ///< nearer surfaces give no return
+  double max_m = 0.0;              ///< farther ones neither
+  double max_incidence_rad = 0.0;  ///< between ray and normal; more grazing rays do not return
 };
 
 /// Throws ConfigError.

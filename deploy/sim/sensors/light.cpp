@@ -53,8 +53,8 @@ void set_lane(RayPacket& rays,
   rays.direction_x[i] = direction.x();
   rays.direction_y[i] = direction.y();
   rays.direction_z[i] = direction.z();
-  rays.least_m[i] = 0.0F;
-  rays.most_m[i] = kFarthest_m;
+  rays.min_m[i] = 0.0F;
+  rays.max_m[i] = kFarthest_m;
 }
 
 /// What of the sun's light a surface takes, by the cosine of the sun's angle to its normal.
@@ -101,7 +101,7 @@ Shading shaded(const SceneView& view,
   return shading;
 }
 
-/// Four lanes of a SeenPacket.
+/// Four lanes of a ShadedPacket.
 struct Seen4 {
   Float4 radiance;
   Float4 sun;
@@ -150,8 +150,8 @@ Seen4 seen_surfaces(const SceneView& view,
 
 }  // namespace
 
-Light light_of(const SessionScene& scene) {
-  const SessionConfig& config = scene.config();
+Light light_of(const SeasonScene& scene) {
+  const SeasonConfig& config = scene.config();
   const Eigen::Vector3f& to_sun = scene.to_sun();
   const Eigen::Vector3f left = to_sun.unitOrthogonal();
   return {.to_sun_map = to_sun,
@@ -163,17 +163,17 @@ Light light_of(const SessionScene& scene) {
           .snow = config.snow};
 }
 
-SeenPacket see(const SceneView& view,
-               const Light& light,
-               const ViewPacket& packet,
-               const HitPacket& hits) {
+ShadedPacket shade(const SceneView& view,
+                   const Light& light,
+                   const ViewPacket& packet,
+                   const HitPacket& hits) {
   const RayPacket& rays = packet.rays;
-  SeenPacket seen{};
+  ShadedPacket seen{};
   for (std::size_t first = 0; first < RayPacket::kSize; first += 4) {
     const Int4 is_hit = load4(&hits.distance_m[first]) < HitPacket::kNone;
     const Seen4 far = any(~is_hit) ? seen_sky(light, packet, first) : Seen4{};
     const Seen4 near = any(is_hit) ? seen_surfaces(view, light, packet, hits, first) : Seen4{};
-    const Int4 is_used = load4(&rays.most_m[first]) >= 0.0F;
+    const Int4 is_used = load4(&rays.max_m[first]) >= 0.0F;
     const Float4 radiance = is_hit ? near.radiance : far.radiance;
     const Uint4 key = is_hit ? near.key : far.key;
     store4(is_used ? radiance : all4(0.0F), &seen.radiance[first]);
@@ -189,7 +189,7 @@ std::uint32_t sunlit(const SceneView& view,
                      const HitPacket& hits) {
   const RayPacket& rays = packet.rays;
   RayPacket sun_rays{};
-  sun_rays.most_m.fill(-1.0F);
+  sun_rays.max_m.fill(-1.0F);
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
     if (hits.distance_m[i] == HitPacket::kNone) continue;

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "deploy/sim/world/ray_caster.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 
 namespace fleetloc {
 
@@ -19,7 +19,7 @@ struct ViewPacket {
 };
 
 /// What the rays of a packet see.
-struct SeenPacket {
+struct ShadedPacket {
   RayPacket::Lanes<float> radiance;  ///< by the light of the sky alone
   RayPacket::Lanes<float> sun;       ///< that adds to it where the sun shines
   /// The surface, in the upper 16 bits, and which way it faces there; for finding edges. All
@@ -27,7 +27,7 @@ struct SeenPacket {
   RayPacket::Lanes<std::uint32_t> key;
 };
 
-/// Light and air of a session.
+/// Light and air of a season.
 struct Light {
   Eigen::Vector3f to_sun_map;    ///< unit length; across it are
   Eigen::Vector3f sun_left_map;  ///< and
@@ -38,13 +38,13 @@ struct Light {
   float snow;
 };
 
-Light light_of(const SessionScene& scene);
+Light light_of(const SeasonScene& scene);
 
 /// Sky, haze, and what the sun would add.
-SeenPacket see(const SceneView& view,
-               const Light& light,
-               const ViewPacket& packet,
-               const HitPacket& hits);
+ShadedPacket shade(const SceneView& view,
+                   const Light& light,
+                   const ViewPacket& packet,
+                   const HitPacket& hits);
 
 /// Bit i is set where nothing hides the packet's part of the sun from what ray i meets.
 std::uint32_t sunlit(const SceneView& view,

@@ -15,7 +15,7 @@ constexpr std::size_t kNodes = 12;
 constexpr std::array<std::size_t, PixelBlock::kPackets> kFirstNode = {0, 0, 0, 4, 4};
 constexpr std::uint32_t kAllNodes = (1U << kNodes) - 1U;
 constexpr std::uint32_t kAllLanes = (1U << RayPacket::kSize) - 1U;
-constexpr int kLeastHits = 3;  // of a triangle among other things, by the nodes
+constexpr int kMinHits = 3;  // of a triangle among other objects, by the nodes
 
 /// A few triangles or, without any, the sky.
 class Patch {
@@ -25,7 +25,7 @@ class Patch {
   }
 
   /// Rays that meet the triangle which fewest meet.
-  [[nodiscard]] int least_hits() const {
+  [[nodiscard]] int min_hits() const {
     return count_ == 0 ? 0 : *std::min_element(hits_.begin(), hits_.begin() + count_);
   }
 
@@ -40,9 +40,9 @@ class Patch {
   }
 
  private:
-  static constexpr std::size_t kMost = 8;
-  std::array<std::uint32_t, kMost> triangles_{};
-  std::array<int, kMost> hits_{};
+  static constexpr std::size_t kMax = 8;
+  std::array<std::uint32_t, kMax> triangles_{};
+  std::array<int, kMax> hits_{};
   std::size_t count_ = 0;
 };
 
@@ -50,17 +50,17 @@ class Patch {
 /// has a ray: one surface, or parts so large that the lattice cannot miss one between them.
 std::optional<Patch> patch_of(const RayPacket& rays, const HitPacket& hits, std::size_t first) {
   Patch patch;
-  bool is_one_thing = true;
+  bool is_one_object = true;
   for (std::size_t i = first; i < first + kNodes; ++i) {
-    if (rays.most_m[i] < 0.0F) return std::nullopt;
+    if (rays.max_m[i] < 0.0F) return std::nullopt;
     const bool is_sky = hits.distance_m[i] == HitPacket::kNone;
     if (!is_sky && !patch.add(hits.triangle[i])) return std::nullopt;
     const bool is_as_first = is_sky ? hits.distance_m[first] == HitPacket::kNone
                                     : hits.distance_m[first] != HitPacket::kNone &&
                                           hits.surface[i] == hits.surface[first];
-    is_one_thing = is_one_thing && is_as_first;
+    is_one_object = is_one_object && is_as_first;
   }
-  if (!is_one_thing && patch.least_hits() < kLeastHits) return std::nullopt;
+  if (!is_one_object && patch.min_hits() < kMinHits) return std::nullopt;
   return patch;
 }
 
@@ -74,13 +74,13 @@ HitPacket hits_on(const RayCaster& caster, const Patch& patch, const RayPacket& 
 
 }  // namespace
 
-PixelBlock::Seen see_block(const SceneView& view,
-                           const Light& light,
-                           const PixelBlock::Packets& packets) {
+PixelBlock::Seen shade_block(const SceneView& view,
+                             const Light& light,
+                             const PixelBlock::Packets& packets) {
   PixelBlock::Seen seen{};
   const HitPacket first = view.caster.first_hits(packets[0].rays);
   const std::uint32_t first_sunlit = sunlit(view, light, packets[0], first);
-  seen.packets[0] = see(view, light, packets[0], first);
+  seen.packets[0] = shade(view, light, packets[0], first);
   seen.sunlit[0] = first_sunlit;
   seen.triangles[0] = first.triangle;
   std::optional<Patch> patch;
@@ -91,7 +91,7 @@ PixelBlock::Seen see_block(const SceneView& view,
     const bool has_one_light = patch && (nodes_sunlit == 0U || nodes_sunlit == kAllNodes);
     const HitPacket hits = patch ? hits_on(view.caster, *patch, packets[i].rays)
                                  : view.caster.first_hits(packets[i].rays);
-    seen.packets[i] = see(view, light, packets[i], hits);
+    seen.packets[i] = shade(view, light, packets[i], hits);
     seen.triangles[i] = hits.triangle;
     seen.sunlit[i] = has_one_light ? (nodes_sunlit == 0U ? 0U : kAllLanes)
                                    : sunlit(view, light, packets[i], hits);

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "deploy/sim/sensors/light.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 
 namespace fleetloc {
 
@@ -23,7 +23,7 @@ struct PixelBlock {
   };
   using Packets = std::array<ViewPacket, kPackets>;
   struct Seen {
-    std::array<SeenPacket, kPackets> packets;
+    std::array<ShadedPacket, kPackets> packets;
     std::array<std::uint32_t, kPackets> sunlit;                       ///< bits of their lanes
     std::array<RayPacket::Lanes<std::uint32_t>, kPackets> triangles;  ///< see HitPacket
   };
@@ -45,10 +45,10 @@ struct PixelBlock {
   }
 };
 
-/// What each ray meets, with less tracing where the block shows a few triangles: there a thing is
+/// What each ray meets, with less tracing where the block shows a few triangles: there an object is
 /// lost that no ray of the lattice meets, a speck or a line of less than two pixels.
-PixelBlock::Seen see_block(const SceneView& view,
-                           const Light& light,
-                           const PixelBlock::Packets& packets);
+PixelBlock::Seen shade_block(const SceneView& view,
+                             const Light& light,
+                             const PixelBlock::Packets& packets);
 
 }  // namespace fleetloc

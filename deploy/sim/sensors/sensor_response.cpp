@@ -33,7 +33,7 @@ std::array<float, kNormals> normal_quantiles() {
 
 float Exposure::next(double time_s, float mean_radiance) {
   const float wanted = std::clamp(
-      config_.target_gray / std::max(mean_radiance, 1e-6F), config_.least_gain, config_.most_gain);
+      config_.target_gray / std::max(mean_radiance, 1e-6F), config_.min_gain, config_.max_gain);
   if (!gain_) {
     gain_ = wanted;
   } else {

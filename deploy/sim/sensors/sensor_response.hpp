@@ -14,8 +14,8 @@ class Exposure {
   struct Config {
     float target_gray;  ///< mean of the image
     float lag_s;        ///< in which 63 % of a change are made up
-    float least_gain;   ///< gray values per unit of radiance
-    float most_gain;
+    float min_gain;     ///< gray values per unit of radiance
+    float max_gain;
   };
   explicit Exposure(const Config& config) : config_(config) {}
 

@@ -11,10 +11,10 @@
 namespace fleetloc {
 namespace {
 
-constexpr float kLeastContrast = 0.04F;  // that an edge must have to be smoothed
+constexpr float kMinContrast = 0.04F;  // that an edge must have to be smoothed
 constexpr int kRowsAtOnce = 8;
 
-/// Between two neighbours that see different things.
+/// Between two neighbours that see different objects.
 struct Edge {
   std::size_t pixel;
   std::size_t next;       // to the right or below
@@ -23,15 +23,15 @@ struct Edge {
   float radiance = 0.0F;
 };
 
-bool differs(const SeenImage& image, std::size_t pixel, std::size_t next) {
+bool differs(const ShadedImage& image, std::size_t pixel, std::size_t next) {
   if (image.keys[pixel] == image.keys[next]) return false;
   if (image.keys[pixel] == 0U || image.keys[next] == 0U) return false;
   const float contrast = std::abs(image.radiance[pixel] - image.radiance[next]);
-  return contrast >= kLeastContrast * (image.radiance[pixel] + image.radiance[next]);
+  return contrast >= kMinContrast * (image.radiance[pixel] + image.radiance[next]);
 }
 
 /// In some rows, not seen yet; neighbours come close to each other.
-std::vector<Edge> edges_in(const SeenImage& image, int first_row) {
+std::vector<Edge> edges_in(const ShadedImage& image, int first_row) {
   constexpr int kColumnsAtOnce = 10;
   const int end_row = std::min(first_row + kRowsAtOnce, image.height_px);
   std::vector<Edge> edges;
@@ -63,7 +63,7 @@ ViewPacket rays_of(std::span<const Edge> edges, const Viewpoint& from) {
 
 /// Of at most as many edges as fit a packet: sees those whose ray meets what a pixel of theirs
 /// shows; they are as bright as that pixel.
-void take_from_pixels(std::span<Edge> edges, const SeenImage& image, const Viewpoint& from) {
+void take_from_pixels(std::span<Edge> edges, const ShadedImage& image, const Viewpoint& from) {
   RayCaster::TrianglePairs triangles{};
   for (std::size_t i = 0; i < edges.size(); ++i) {
     triangles[0].at(i) = image.triangles[edges[i].pixel];
@@ -82,7 +82,7 @@ void take_from_pixels(std::span<Edge> edges, const SeenImage& image, const Viewp
 void look_at(std::span<Edge> edges, const Viewpoint& from) {
   const ViewPacket packet = rays_of(edges, from);
   const HitPacket hits = from.scene.caster.first_hits(packet.rays);
-  const SeenPacket seen = see(from.scene, from.light, packet, hits);
+  const ShadedPacket seen = shade(from.scene, from.light, packet, hits);
   const std::uint32_t lit = sunlit(from.scene, from.light, packet, hits);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const float sun = ((lit >> i) & 1U) != 0U ? seen.sun[i] : 0.0F;
@@ -100,7 +100,7 @@ void for_each_packet(std::span<Edge> edges, const Act& act) {
 
 }  // namespace
 
-void smooth_edges(SeenImage& image, const Viewpoint& from, int threads) {
+void smooth_edges(ShadedImage& image, const Viewpoint& from, int threads) {
   const int parts = (image.height_px + kRowsAtOnce - 1) / kRowsAtOnce;
   std::vector<std::vector<Edge>> edges(static_cast<std::size_t>(parts));
   for_each_row(parts, threads, [&](int part) {

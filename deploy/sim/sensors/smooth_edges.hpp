@@ -1,9 +1,9 @@
 #pragma once
 
 #include "deploy/sim/sensors/light.hpp"
-#include "deploy/sim/sensors/seen_image.hpp"
+#include "deploy/sim/sensors/shaded_image.hpp"
 #include "deploy/sim/sensors/view_rays.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "shared/geometry/pose.hpp"
 
 namespace fleetloc {
@@ -16,9 +16,9 @@ struct Viewpoint {
   Pose T_map_cam;
 };
 
-/// One more ray between neighbours that show visibly different things, for both pixels. After
-/// add_sun. Where that ray meets what one of the two shows, nothing else is looked for; a thing
+/// One more ray between neighbours that show visibly different objects, for both pixels. After
+/// add_sun. Where that ray meets what one of the two shows, nothing else is looked for; an object
 /// thinner than half a pixel may be lost there.
-void smooth_edges(SeenImage& image, const Viewpoint& from, int threads);
+void smooth_edges(ShadedImage& image, const Viewpoint& from, int threads);
 
 }  // namespace fleetloc

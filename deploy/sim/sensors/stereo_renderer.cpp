@@ -54,7 +54,7 @@ std::vector<float> arriving_light(const ViewRays& rays, float corner_loss) {
 }  // namespace
 
 StereoRenderer::StereoRenderer(const StereoCalibration& calibration,
-                               const SessionScene& scene,
+                               const SeasonScene& scene,
                                const Config& config,
                                std::uint64_t seed)
     : config_(config),
@@ -118,7 +118,7 @@ void StereoRenderer::trace(Eye& eye, const SceneView& view, const Pose& T_map_ca
       for (std::size_t i = 0; i < packets.size(); ++i) {
         packets[i] = in_map((*block)[i], frame, eye.rays.pixel_rad());
       }
-      const PixelBlock::Seen seen = see_block(view, light_, packets);
+      const PixelBlock::Seen seen = shade_block(view, light_, packets);
       const int first_v = row * PixelBlock::kHeight;
       for_each_pixel(eye.rays, first_u, first_v, [&](int u, int v, std::size_t i) {
         const std::size_t packet = i / RayPacket::kSize;

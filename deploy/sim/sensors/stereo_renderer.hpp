@@ -9,10 +9,10 @@
 #include "deploy/sim/sensors/camera_packet.hpp"
 #include "deploy/sim/sensors/light.hpp"
 #include "deploy/sim/sensors/pixel_block.hpp"
-#include "deploy/sim/sensors/seen_image.hpp"
 #include "deploy/sim/sensors/sensor_response.hpp"
+#include "deploy/sim/sensors/shaded_image.hpp"
 #include "deploy/sim/sensors/view_rays.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/core/time.hpp"
 #include "shared/geometry/pose.hpp"
@@ -21,7 +21,7 @@
 
 namespace fleetloc {
 
-/// Images of a stereo camera in a session of the world, exact in geometry: a pixel shows what its
+/// Images of a stereo camera in a season of the world, exact in geometry: a pixel shows what its
 /// center's ray, by the camera's own model, meets. The same bytes for one seed, however many
 /// threads work.
 class StereoRenderer {
@@ -38,13 +38,13 @@ class StereoRenderer {
 
   /// `scene` must live as long.
   StereoRenderer(const StereoCalibration& calibration,
-                 const SessionScene& scene,
+                 const SeasonScene& scene,
                  const Config& config,
                  std::uint64_t seed);
 
   struct Shot {
     Timestamp stamp;
-    double time_s = 0.0;      ///< the same since the start of the session, for whatever moves
+    double time_s = 0.0;      ///< the same since the start of the season, for whatever moves
     std::uint64_t frame = 0;  ///< its number, for the noise
   };
   using Motion = std::function<Pose(double time_s)>;  ///< T_map_body
@@ -62,14 +62,14 @@ class StereoRenderer {
     std::vector<float> arriving;  // share of the light, by pixel
     Pose T_body_cam;
     PixelResponse response;
-    SeenImage seen;
+    ShadedImage seen;
   };
   void expose(Eye& eye, const Shot& shot, const Motion& T_map_body);
   void trace(Eye& eye, const SceneView& view, const Pose& T_map_cam);
   [[nodiscard]] cv::Mat developed(const Eye& eye, std::uint64_t frame, float gain) const;
 
   Config config_;
-  const SessionScene* scene_;
+  const SeasonScene* scene_;
   Light light_;
   Exposure exposure_;
   std::array<Eye, 2> eyes_;

@@ -11,8 +11,8 @@ StereoRenderer::Config read_stereo_renderer_config(ConfigReader section) {
   ConfigReader exposure = section.section("exposure");
   config.exposure = {.target_gray = number(exposure, "target_gray", 10.0, 240.0),
                      .lag_s = number(exposure, "lag_s", 0.0, 60.0),
-                     .least_gain = number(exposure, "least_gain", 0.01, 1e6),
-                     .most_gain = number(exposure, "most_gain", 0.01, 1e6)};
+                     .min_gain = number(exposure, "min_gain", 0.01, 1e6),
+                     .max_gain = number(exposure, "max_gain", 0.01, 1e6)};
   ConfigReader noise = section.section("noise");
   config.noise = {.read_gray = number(noise, "read_gray", 0.0, 50.0),
                   .shot_gray = number(noise, "shot_gray", 0.0, 10.0),

@@ -33,12 +33,12 @@ std::uint64_t index_of(LandmarkId landmark) {
 }  // namespace
 
 TrackModel read_track_model(ConfigReader section) {
-  constexpr int kMostFeatures = 1000;
+  constexpr int kMaxFeatures = 1000;
   TrackModel model;
-  model.features = section.integer("features", 1, kMostFeatures);
-  model.least_distance_px = section.positive("least_distance_px");
+  model.features = section.integer("features", 1, kMaxFeatures);
+  model.min_distance_px = section.positive("min_distance_px");
   model.border_px = section.positive("border_px");
-  model.most_m = section.positive("most_m");
+  model.max_m = section.positive("max_m");
   model.pixel_sigma = section.positive("pixel_sigma");
   model.drift_sigma = section.positive("drift_sigma");
   model.disparity_sigma = section.positive("disparity_sigma");
@@ -169,7 +169,7 @@ void TrackSimulator::begin_tracks(const Pose& T_map_body, const SceneView& world
     const auto ray_cam0 = unproject(camera, pixel);
     if (!ray_cam0) continue;
     const Eigen::Vector3d direction_map = T_map_cam0.R * ray_cam0->normalized();
-    const auto point = first_point(T_map_cam0.p, direction_map, model_.most_m, world);
+    const auto point = first_point(T_map_cam0.p, direction_map, model_.max_m, world);
     if (point) begin_track(*point, T_map_body, world);
   }
 }
@@ -181,7 +181,7 @@ void TrackSimulator::begin_track(const AnchoredPoint& point,
   const auto ideal = ideal_observation(track, T_map_body, world);
   if (!ideal) return;
   const auto is_near = [&](const StereoObservation& other) {
-    return (other.left - ideal->head<2>()).norm() < model_.least_distance_px;
+    return (other.left - ideal->head<2>()).norm() < model_.min_distance_px;
   };
   if (std::ranges::any_of(seen_.observations, is_near)) return;
   const LandmarkId landmark{next_landmark_++};

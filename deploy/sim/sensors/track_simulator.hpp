@@ -17,9 +17,9 @@ namespace fleetloc {
 /// follows from the world's geometry; the rest is stated here.
 struct TrackModel {
   int features = 150;              ///< wanted in each frame
-  double least_distance_px = 15;   ///< between features where a new one begins
+  double min_distance_px = 15;     ///< between features where a new one begins
   double border_px = 8;            ///< of the images that holds no feature
-  double most_m = 60;              ///< farther points are not chosen
+  double max_m = 60;               ///< farther points are not chosen
   double pixel_sigma = 0.1;        ///< of each observation, independent [px]
   double drift_sigma = 0.03;       ///< of a feature on its surface, in each frame [px]
   double disparity_sigma = 0.1;    ///< independent [px]

@@ -13,8 +13,8 @@ constexpr float kHalfPi = 0.5F * std::numbers::pi_v<float>;
 
 /// One wall: x along it, y out of it, z up from the base; the middle of the wall is the origin.
 struct Wall {
-  Thing* thing;
-  Eigen::Vector3f middle;  // in the thing's frame
+  SceneObject* object;
+  Eigen::Vector3f middle;  // in the object's frame
   Eigen::Vector3f along;
   Eigen::Vector3f out;
   float width_m;
@@ -30,7 +30,7 @@ struct Wall {
              const Eigen::Vector2f& extent,
              float depth_m,
              std::uint32_t surface) const {
-    add_box(*thing,
+    add_box(*object,
             at(center.x(), 0.5F * depth_m, center.y()),
             size(extent.x(), depth_m, extent.y()),
             surface);
@@ -42,7 +42,7 @@ struct Wall {
             std::uint32_t surface) const {
     const float x = 0.5F * extent.x();
     const float z = 0.5F * extent.y();
-    add_quad(*thing,
+    add_quad(*object,
              {at(center.x() - x, depth_m, center.y() - z),
               at(center.x() + x, depth_m, center.y() - z),
               at(center.x() + x, depth_m, center.y() + z),
@@ -107,18 +107,18 @@ void add_facade(const Wall& wall, float height_m, const Look& look, Draw& draw) 
   }
 }
 
-void add_flat_roof(Thing& thing,
+void add_flat_roof(SceneObject& object,
                    const Eigen::Vector3f& size,
                    std::uint32_t roof,
                    std::uint32_t trim) {
-  add_box(thing, {0.0F, 0.0F, size.z() + 0.1F}, {size.x() - 0.1F, size.y() - 0.1F, 0.2F}, roof);
+  add_box(object, {0.0F, 0.0F, size.z() + 0.1F}, {size.x() - 0.1F, size.y() - 0.1F, 0.2F}, roof);
   for (const float side : {-0.5F, 0.5F}) {
-    add_box(thing, {0.0F, side * size.y(), size.z() + 0.2F}, {size.x() + 0.5F, 0.4F, 0.5F}, trim);
-    add_box(thing, {side * size.x(), 0.0F, size.z() + 0.2F}, {0.4F, size.y() + 0.5F, 0.5F}, trim);
+    add_box(object, {0.0F, side * size.y(), size.z() + 0.2F}, {size.x() + 0.5F, 0.4F, 0.5F}, trim);
+    add_box(object, {side * size.x(), 0.0F, size.z() + 0.2F}, {0.4F, size.y() + 0.5F, 0.5F}, trim);
   }
 }
 
-void add_gable_roof(Thing& thing,
+void add_gable_roof(SceneObject& object,
                     const Eigen::Vector3f& size,
                     std::uint32_t roof,
                     std::uint32_t wall) {
@@ -127,11 +127,11 @@ void add_gable_roof(Thing& thing,
   const float ridge = size.z() + 0.35F * size.y();
   const float eaves = size.z() - 0.1F;
   for (const float side : {-1.0F, 1.0F}) {
-    add_quad(thing,
+    add_quad(object,
              {{{-x, side * y, eaves}, {x, side * y, eaves}, {x, 0.0F, ridge}, {-x, 0.0F, ridge}}},
              roof);
     const float end = side * 0.5F * size.x();
-    add_quad(thing,
+    add_quad(object,
              {{{end, -0.5F * size.y(), size.z()},
                {end, 0.5F * size.y(), size.z()},
                {end, 0.0F, ridge},
@@ -140,11 +140,11 @@ void add_gable_roof(Thing& thing,
   }
 }
 
-Look drawn_look(Thing& thing, Draw& draw) {
+Look drawn_look(SceneObject& object, Draw& draw) {
   Look look{};
-  look.trim = add_surface(thing, Pattern::kTrim, draw.uniform(0.30F, 0.75F), draw.bits());
-  look.glass = add_surface(thing, Pattern::kGlass, draw.uniform(0.08F, 0.20F), draw.bits());
-  look.door = add_surface(thing, Pattern::kPaint, draw.uniform(0.12F, 0.5F), draw.bits());
+  look.trim = add_surface(object, Pattern::kTrim, draw.uniform(0.30F, 0.75F), draw.bits());
+  look.glass = add_surface(object, Pattern::kGlass, draw.uniform(0.08F, 0.20F), draw.bits());
+  look.door = add_surface(object, Pattern::kPaint, draw.uniform(0.12F, 0.5F), draw.bits());
   look.window_width_m = draw.uniform(0.9F, 1.9F);
   look.window_height_m = draw.uniform(1.3F, 1.9F);
   look.window_spacing_m = look.window_width_m + draw.uniform(0.9F, 2.4F);
@@ -154,29 +154,29 @@ Look drawn_look(Thing& thing, Draw& draw) {
 
 }  // namespace
 
-Thing make_building(const BuildingShape& shape, Draw& draw) {
+SceneObject make_building(const BuildingShape& shape, Draw& draw) {
   constexpr std::array<Pattern, 3> kWalls = {Pattern::kPlaster, Pattern::kBrick, Pattern::kPanels};
-  Thing thing;
-  thing.placement = shape.placement;
-  const Look look = drawn_look(thing, draw);
+  SceneObject object;
+  object.placement = shape.placement;
+  const Look look = drawn_look(object, draw);
   const Pattern pattern = kWalls.at(static_cast<std::size_t>(draw.integer(3)));
   const float tone = draw.uniform(0.32F, 0.70F);
   const std::uint32_t roof =
-      add_surface(thing, Pattern::kRoof, draw.uniform(0.2F, 0.4F), draw.bits());
+      add_surface(object, Pattern::kRoof, draw.uniform(0.2F, 0.4F), draw.bits());
   const Eigen::Vector3f& size = shape.size_m;
   std::uint32_t surface = 0;
   for (int side = 0; side < 4; ++side) {
     const float angle = kHalfPi * static_cast<float>(side);
     const Eigen::Vector3f along(std::round(std::cos(angle)), std::round(std::sin(angle)), 0.0F);
     const Eigen::Vector3f out(along.y(), -along.x(), 0.0F);
-    const Wall wall{.thing = &thing,
+    const Wall wall{.object = &object,
                     .middle = 0.5F * out.cwiseProduct(size),
                     .along = along,
                     .out = out,
                     .width_m = std::abs(along.dot(size))};
-    surface = add_surface(thing, pattern, tone * draw.uniform(0.9F, 1.1F), draw.bits());
+    surface = add_surface(object, pattern, tone * draw.uniform(0.9F, 1.1F), draw.bits());
     const float half = 0.5F * wall.width_m;
-    add_quad(thing,
+    add_quad(object,
              {wall.at(-half, 0.0F, -shape.foundation_m),
               wall.at(half, 0.0F, -shape.foundation_m),
               wall.at(half, 0.0F, size.z()),
@@ -185,11 +185,11 @@ Thing make_building(const BuildingShape& shape, Draw& draw) {
     add_facade(wall, size.z(), look, draw);
   }
   if (size.z() < 10.0F && draw.chance(0.6F)) {
-    add_gable_roof(thing, size, roof, surface);
+    add_gable_roof(object, size, roof, surface);
   } else {
-    add_flat_roof(thing, size, roof, look.trim);
+    add_flat_roof(object, size, roof, look.trim);
   }
-  return thing;
+  return object;
 }
 
 }  // namespace fleetloc

@@ -12,6 +12,6 @@ struct BuildingShape {
 };
 
 /// Walls of one kind each, windows with frames, bars and sills, a door, bands of trim and a roof.
-Thing make_building(const BuildingShape& shape, Draw& draw);
+SceneObject make_building(const BuildingShape& shape, Draw& draw);
 
 }  // namespace fleetloc

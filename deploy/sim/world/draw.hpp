@@ -15,10 +15,10 @@ enum class Lot : std::uint8_t {
   kCar,
   kStructure,
   kSession,
-  kMover,
+  kDynamicObject,
 };
 
-/// Random numbers in a row, for one thing of the world.
+/// Random numbers in a row, for one object of the world.
 class Draw {
  public:
   Draw(std::uint64_t seed, Lot lot, std::uint64_t index)

@@ -52,8 +52,8 @@ inline Float4 max4(const Float4& a, const Float4& b) {
   return a > b ? a : b;
 }
 
-inline Float4 clamped(const Float4& value, float least, float most) {
-  return min4(max4(value, all4(least)), all4(most));
+inline Float4 clamped(const Float4& value, float min, float max) {
+  return min4(max4(value, all4(min)), all4(max));
 }
 
 inline Float4 magnitude(const Float4& value) {

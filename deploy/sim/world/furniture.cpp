@@ -5,8 +5,8 @@
 
 namespace fleetloc {
 
-Thing make_pole(const Placement& placement, Draw& draw) {
-  Thing pole;
+SceneObject make_pole(const Placement& placement, Draw& draw) {
+  SceneObject pole;
   pole.placement = placement;
   const std::uint32_t metal =
       add_surface(pole, Pattern::kTrim, draw.uniform(0.15F, 0.5F), draw.bits());
@@ -29,8 +29,8 @@ Thing make_pole(const Placement& placement, Draw& draw) {
   return pole;
 }
 
-Thing make_sign(const Placement& placement, Draw& draw) {
-  Thing sign;
+SceneObject make_sign(const Placement& placement, Draw& draw) {
+  SceneObject sign;
   sign.placement = placement;
   const std::uint32_t metal = add_surface(sign, Pattern::kTrim, 0.4F, draw.bits());
   const std::uint32_t board =
@@ -50,48 +50,48 @@ Thing make_sign(const Placement& placement, Draw& draw) {
   return sign;
 }
 
-Thing make_wall(const Placement& placement, const Eigen::Vector3f& size_m, Draw& draw) {
-  Thing wall;
+SceneObject make_wall(const Placement& placement, const Eigen::Vector3f& size_m, Draw& draw) {
+  SceneObject wall;
   wall.placement = placement;
   const Pattern pattern = draw.chance(0.5F) ? Pattern::kBrick : Pattern::kSlabs;
   const std::uint32_t stone = add_surface(wall, pattern, draw.uniform(0.3F, 0.5F), draw.bits());
   const std::uint32_t cap =
       add_surface(wall, Pattern::kTrim, draw.uniform(0.4F, 0.7F), draw.bits());
-  const float buried = 1.0F;
+  const float below_ground = 1.0F;
   add_box(wall,
-          {0, 0, 0.5F * (size_m.z() - buried)},
-          {size_m.x(), size_m.y(), size_m.z() + buried},
+          {0, 0, 0.5F * (size_m.z() - below_ground)},
+          {size_m.x(), size_m.y(), size_m.z() + below_ground},
           stone);
   add_box(wall, {0, 0, size_m.z() + 0.04F}, {size_m.x() + 0.1F, size_m.y() + 0.14F, 0.09F}, cap);
   return wall;
 }
 
-Thing make_bench_or_boxes(const Placement& placement, Draw& draw) {
-  Thing thing;
-  thing.placement = placement;
+SceneObject make_bench_or_boxes(const Placement& placement, Draw& draw) {
+  SceneObject object;
+  object.placement = placement;
   const std::uint32_t wood =
-      add_surface(thing, Pattern::kPanels, draw.uniform(0.25F, 0.5F), draw.bits());
+      add_surface(object, Pattern::kPanels, draw.uniform(0.25F, 0.5F), draw.bits());
   const std::uint32_t paint =
-      add_surface(thing, Pattern::kPoster, draw.uniform(0.3F, 0.55F), draw.bits());
+      add_surface(object, Pattern::kPoster, draw.uniform(0.3F, 0.55F), draw.bits());
   if (draw.chance(0.5F)) {
-    add_box(thing, {0, 0, 0.45F}, {1.7F, 0.45F, 0.07F}, wood);
-    add_box(thing, {0, 0.22F, 0.75F}, {1.7F, 0.06F, 0.4F}, wood);
-    for (const float x : {-0.7F, 0.7F}) add_box(thing, {x, 0, 0.1F}, {0.1F, 0.4F, 0.7F}, paint);
-    return thing;
+    add_box(object, {0, 0, 0.45F}, {1.7F, 0.45F, 0.07F}, wood);
+    add_box(object, {0, 0.22F, 0.75F}, {1.7F, 0.06F, 0.4F}, wood);
+    for (const float x : {-0.7F, 0.7F}) add_box(object, {x, 0, 0.1F}, {0.1F, 0.4F, 0.7F}, paint);
+    return object;
   }
   for (int i = 0; i < 3; ++i) {
     const float x = 0.6F * static_cast<float>(i - 1);
     const float height = draw.uniform(0.4F, 1.2F);
-    add_box(thing,
+    add_box(object,
             {x, draw.uniform(-0.1F, 0.1F), 0.5F * height - 0.2F},
             {0.5F, 0.5F, height + 0.4F},
             i == 1 ? wood : paint);
   }
-  return thing;
+  return object;
 }
 
-Thing make_car(const Placement& placement, Draw& draw) {
-  Thing car;
+SceneObject make_car(const Placement& placement, Draw& draw) {
+  SceneObject car;
   car.placement = placement;
   const std::uint32_t paint =
       add_surface(car, Pattern::kPaint, draw.uniform(0.08F, 0.7F), draw.bits());

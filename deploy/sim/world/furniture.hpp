@@ -10,18 +10,18 @@ namespace fleetloc {
 // Things of the street. `placement` is the middle of the base, on the ground; the x axis runs
 // along the route. They reach a little below the ground, because that may slope.
 
-Thing make_pole(const Placement& placement, Draw& draw);
-Thing make_sign(const Placement& placement, Draw& draw);
-Thing make_wall(const Placement& placement, const Eigen::Vector3f& size_m, Draw& draw);
-Thing make_bench_or_boxes(const Placement& placement, Draw& draw);
+SceneObject make_pole(const Placement& placement, Draw& draw);
+SceneObject make_sign(const Placement& placement, Draw& draw);
+SceneObject make_wall(const Placement& placement, const Eigen::Vector3f& size_m, Draw& draw);
+SceneObject make_bench_or_boxes(const Placement& placement, Draw& draw);
 
 /// Within kCarSize.
-Thing make_car(const Placement& placement, Draw& draw);
+SceneObject make_car(const Placement& placement, Draw& draw);
 inline const Eigen::Vector2f kCarSize{4.6F, 1.9F};
 
 /// A container, a scaffold with nets, a stall, a fence of boards or a heap (of earth; in winter
 /// of snow), within kStructureSize. `kind` counts these.
-Thing make_structure(const Placement& placement, int kind, Draw& draw);
+SceneObject make_structure(const Placement& placement, int kind, Draw& draw);
 inline constexpr int kStructureKinds = 5;
 inline const Eigen::Vector2f kStructureSize{7.2F, 2.6F};
 

@@ -11,7 +11,7 @@ namespace fleetloc {
 namespace {
 
 constexpr float kReach_m = 14.0F;      // within which the route decides the height
-constexpr float kLeastBelow = 0.6F;    // share of the body's height that is free below it anywhere
+constexpr float kMinBelow = 0.6F;      // share of the body's height that is free below it anywhere
 constexpr float kFlatWithin_m = 3.0F;  // of the route there are no hills
 constexpr float kHillyFrom_m = 25.0F;
 constexpr float kVerge_m = 1.5F;  // width, on both sides of the path
@@ -40,7 +40,7 @@ float Ground::height(const Eigen::Vector2f& p) const {
     sum += weight * point.z();
     weights += weight;
     if (square < 4.0F) {
-      ceiling = std::min(ceiling, point.z() - kLeastBelow * config_->body_height_m);
+      ceiling = std::min(ceiling, point.z() - kMinBelow * config_->body_height_m);
     }
   }
   const float level =
@@ -54,8 +54,8 @@ float Ground::height(const Eigen::Vector2f& p) const {
                   ceiling);
 }
 
-Thing Ground::thing() const {
-  Thing ground;
+SceneObject Ground::object() const {
+  SceneObject ground;
   add_surface(ground, Pattern::kSlabs, 0.38F, seed_);
   add_surface(ground, Pattern::kGravel, 0.45F, seed_ + 1U);
   add_surface(ground, Pattern::kGrass, 0.25F, seed_ + 2U);
@@ -70,16 +70,16 @@ Thing Ground::thing() const {
     }
     return found->second;
   };
-  Eigen::Vector2f least = route_->points()[0].head<2>();
-  Eigen::Vector2f most = least;
+  Eigen::Vector2f min = route_->points()[0].head<2>();
+  Eigen::Vector2f max = min;
   for (const auto& point : route_->points()) {
-    least = least.cwiseMin(point.head<2>());
-    most = most.cwiseMax(point.head<2>());
+    min = min.cwiseMin(point.head<2>());
+    max = max.cwiseMax(point.head<2>());
   }
   const auto index = [&](float x) { return static_cast<int>(std::floor(x / cell)); };
   const float half_width = config_->half_width_m;
-  for (int i = index(least.x() - half_width); i <= index(most.x() + half_width); ++i) {
-    for (int k = index(least.y() - half_width); k <= index(most.y() + half_width); ++k) {
+  for (int i = index(min.x() - half_width); i <= index(max.x() + half_width); ++i) {
+    for (int k = index(min.y() - half_width); k <= index(max.y() + half_width); ++k) {
       const Eigen::Vector2f center =
           cell * Eigen::Vector2f(static_cast<float>(i) + 0.5F, static_cast<float>(k) + 0.5F);
       const float distance = route_->distance(center, half_width);
@@ -96,7 +96,10 @@ Thing Ground::thing() const {
   return ground;
 }
 
-void cover_with_snow(Thing& ground, const RouteField& route, float depth_m, std::uint64_t seed) {
+void cover_with_snow(SceneObject& ground,
+                     const RouteField& route,
+                     float depth_m,
+                     std::uint64_t seed) {
   constexpr float kHalfLane_m = 1.2F;
   constexpr float kHeap_m = 3.0F;   // beside the lane; beyond the snow lies as it fell
   constexpr float kHeaped = 0.6F;   // beside the lane, in depths

@@ -17,7 +17,7 @@ class Ground {
   [[nodiscard]] float height(const Eigen::Vector2f& p) const;
 
   /// Its surfaces are the paving, the verge and the grass, see GroundSurface.
-  [[nodiscard]] Thing thing() const;
+  [[nodiscard]] SceneObject object() const;
 
  private:
   const RouteField* route_;
@@ -25,9 +25,12 @@ class Ground {
   std::uint32_t seed_;
 };
 
-/// Snow on the ground of Ground::thing(): `depth_m` deep, more and less, but for a lane along the
+/// Snow on the ground of Ground::object(): `depth_m` deep, more and less, but for a lane along the
 /// route, beside which it is heaped up.
-void cover_with_snow(Thing& ground, const RouteField& route, float depth_m, std::uint64_t seed);
+void cover_with_snow(SceneObject& ground,
+                     const RouteField& route,
+                     float depth_m,
+                     std::uint64_t seed);
 
 enum GroundSurface : std::uint32_t { kPath, kVerge, kGrass };
 

@@ -46,8 +46,7 @@ Met met(const Sides<V>& triangle, const RayPacket& rays, const HitPacket& hits, 
   return {.distance_m = distance_m,
           .side = along > 0.0F ? all4(-1.0F) : all4(1.0F),
           .is_hit = (share_a >= 0.0F) & (share_b >= 0.0F) & (share_a + share_b <= 1.0F) &
-                    (distance_m >= load4(&rays.least_m[i])) &
-                    (distance_m <= load4(&rays.most_m[i])) &
+                    (distance_m >= load4(&rays.min_m[i])) & (distance_m <= load4(&rays.max_m[i])) &
                     (distance_m < load4(&hits.distance_m[i]))};
 }
 

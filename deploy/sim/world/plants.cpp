@@ -18,30 +18,30 @@ Eigen::Vector3f drawn_direction(Draw& draw) {
 }
 
 /// A cluster of leaves: a polygon of no particular direction.
-void add_cluster(Thing& thing, const Eigen::Vector3f& center, float size_m, Draw& draw) {
+void add_cluster(SceneObject& object, const Eigen::Vector3f& center, float size_m, Draw& draw) {
   const Eigen::Vector3f normal = drawn_direction(draw);
   const Eigen::Vector3f u = 0.5F * size_m * normal.unitOrthogonal();
   const Eigen::Vector3f v = normal.cross(u);
   const auto reach = [&] { return draw.uniform(0.6F, 1.2F); };
   const auto surface =
-      static_cast<std::uint32_t>(draw.integer(static_cast<int>(thing.surfaces.size())));
-  add_quad(thing,
+      static_cast<std::uint32_t>(draw.integer(static_cast<int>(object.surfaces.size())));
+  add_quad(object,
            {center + reach() * u, center + reach() * v, center - reach() * u, center - reach() * v},
            surface);
 }
 
-void add_leaves(Thing& thing,
+void add_leaves(SceneObject& object,
                 const Eigen::Vector3f& center,
                 const Eigen::Vector3f& radii,
                 int clusters,
                 Draw& draw) {
   for (const float tone : {0.75F, 1.0F, 1.3F}) {
-    add_surface(thing, Pattern::kLeaves, 0.3F * tone, draw.bits());
+    add_surface(object, Pattern::kLeaves, 0.3F * tone, draw.bits());
   }
   for (int i = 0; i < clusters; ++i) {
     const float depth = std::cbrt(draw.uniform(0.25F, 1.0F));  // more of them near the outside
     const Eigen::Vector3f at = center + depth * drawn_direction(draw).cwiseProduct(radii);
-    add_cluster(thing, at, draw.uniform(0.45F, 0.9F), draw);
+    add_cluster(object, at, draw.uniform(0.45F, 0.9F), draw);
   }
 }
 
@@ -84,8 +84,8 @@ Tree make_tree(const Placement& placement, Draw& draw) {
   return tree;
 }
 
-Thing make_bush(const Placement& placement, float radius_m, Draw& draw) {
-  Thing bush;
+SceneObject make_bush(const Placement& placement, float radius_m, Draw& draw) {
+  SceneObject bush;
   bush.placement = placement;
   const Eigen::Vector3f radii(radius_m, radius_m, 0.7F * radius_m);
   add_leaves(bush, {0.0F, 0.0F, 0.5F * radius_m}, radii, static_cast<int>(40.0F * radius_m), draw);

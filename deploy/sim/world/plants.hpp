@@ -5,14 +5,14 @@
 
 namespace fleetloc {
 
-/// A tree in two things: what stays in winter, and its leaves.
+/// A tree in two objects: what stays in winter, and its leaves.
 struct Tree {
-  Thing wood;
-  Thing crown;
+  SceneObject wood;
+  SceneObject crown;
 };
 Tree make_tree(const Placement& placement, Draw& draw);
 
 /// A bush of `radius_m`, leaves only.
-Thing make_bush(const Placement& placement, float radius_m, Draw& draw);
+SceneObject make_bush(const Placement& placement, float radius_m, Draw& draw);
 
 }  // namespace fleetloc

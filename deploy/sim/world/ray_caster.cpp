@@ -12,7 +12,7 @@ constexpr float kSurfaceSkin_m = 0.002F;
 constexpr std::uint32_t kMoving = 0x80000000U;  // marks the numbers of triangles that move
 
 bool is_empty(const RayPacket& rays) {
-  return std::ranges::all_of(rays.most_m, [](float most_m) { return most_m < 0.0F; });
+  return std::ranges::all_of(rays.max_m, [](float max_m) { return max_m < 0.0F; });
 }
 
 HitPacket no_hits() {
@@ -33,10 +33,10 @@ RayCaster RayCaster::with(const Mesh& moving) const {
   return result;
 }
 
-std::optional<Hit> RayCaster::first_hit(const Ray& ray, float most_m) const {
-  std::optional<Hit> first = fixed_->first_hit(ray, most_m);
+std::optional<Hit> RayCaster::first_hit(const Ray& ray, float max_m) const {
+  std::optional<Hit> first = fixed_->first_hit(ray, max_m);
   if (!moving_) return first;
-  std::optional<Hit> nearer = moving_->first_hit(ray, first ? first->distance_m : most_m);
+  std::optional<Hit> nearer = moving_->first_hit(ray, first ? first->distance_m : max_m);
   return nearer ? nearer : first;
 }
 
@@ -65,7 +65,7 @@ HitPacket RayCaster::hits_on_own(const TrianglePairs& triangles, const RayPacket
     OwnTriangles own;
     own.triangle = of_rays;
     for (std::size_t i = 0; i < of_rays.size(); ++i) {
-      if (of_rays[i] == HitPacket::kNoTriangle || rays.most_m[i] < 0.0F) continue;
+      if (of_rays[i] == HitPacket::kNoTriangle || rays.max_m[i] < 0.0F) continue;
       own.set(i, corners(of_rays[i]), surface(of_rays[i]));
     }
     meet_own_triangles(own, rays, hits);
@@ -76,7 +76,7 @@ HitPacket RayCaster::hits_on_own(const TrianglePairs& triangles, const RayPacket
 void RayCaster::trace_rest(const RayPacket& rays, HitPacket& hits) const {
   RayPacket rest = rays;
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
-    if (hits.distance_m[i] != HitPacket::kNone) rest.most_m[i] = -1.0F;
+    if (hits.distance_m[i] != HitPacket::kNone) rest.max_m[i] = -1.0F;
   }
   if (is_empty(rest)) return;
   fixed_->first_hits(rest, hits);
@@ -96,9 +96,9 @@ bool RayCaster::occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f&
   const float distance = way.norm();
   if (distance <= 2.0F * kSurfaceSkin_m) return false;
   const Ray ray{.origin_map = from_map, .direction_map = way / distance};
-  const float most_m = distance - kSurfaceSkin_m;
-  return fixed_->occluded(ray, kSurfaceSkin_m, most_m) ||
-         (moving_ && moving_->occluded(ray, kSurfaceSkin_m, most_m));
+  const float max_m = distance - kSurfaceSkin_m;
+  return fixed_->occluded(ray, kSurfaceSkin_m, max_m) ||
+         (moving_ && moving_->occluded(ray, kSurfaceSkin_m, max_m));
 }
 
 std::uint32_t RayCaster::occluded(const RayPacket& rays) const {

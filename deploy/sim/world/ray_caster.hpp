@@ -26,8 +26,8 @@ class RayCaster {
   /// The same triangles and `moving`, where they are at one instant: cheap while those are few.
   [[nodiscard]] RayCaster with(const Mesh& moving) const;
 
-  /// Nothing if there is no triangle within `most_m`.
-  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray, float most_m) const;
+  /// Nothing if there is no triangle within `max_m`.
+  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray, float max_m) const;
 
   [[nodiscard]] HitPacket first_hits(const RayPacket& rays) const;
 
@@ -44,7 +44,7 @@ class RayCaster {
   /// Something stands between two points; the surfaces that they lie on do not count (2 mm).
   [[nodiscard]] bool occluded(const Eigen::Vector3f& from_map, const Eigen::Vector3f& to_map) const;
 
-  /// Bit i is set where ray i of the packet meets something between its least_m and most_m.
+  /// Bit i is set where ray i of the packet meets something between its min_m and max_m.
   [[nodiscard]] std::uint32_t occluded(const RayPacket& rays) const;
 
   /// Some triangle comes as near as `radius_m` to the point.

@@ -19,7 +19,7 @@ struct Hit {
   std::uint32_t surface = 0;   ///< of the triangle
 };
 
-/// Rays side by side, for those that go nearly the same way. Unused lanes have `most_m` < 0.
+/// Rays side by side, for those that go nearly the same way. Unused lanes have `max_m` < 0.
 struct alignas(64) RayPacket {
   static constexpr int kSize = 16;
   template <typename T>
@@ -27,8 +27,8 @@ struct alignas(64) RayPacket {
 
   Lanes<float> origin_x, origin_y, origin_z;           ///< in map
   Lanes<float> direction_x, direction_y, direction_z;  ///< in map, unit length
-  Lanes<float> least_m;
-  Lanes<float> most_m;
+  Lanes<float> min_m;
+  Lanes<float> max_m;
 };
 
 struct alignas(64) HitPacket {

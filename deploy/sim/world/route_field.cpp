@@ -105,12 +105,12 @@ void RouteField::visit_near(const Eigen::Vector2f& p, float radius_m, const Visi
   }
 }
 
-float RouteField::distance(const Eigen::Vector2f& p, float most_m) const {
-  float least = most_m * most_m;
-  visit_near(p, most_m, [&](const Eigen::Vector3f& point) {
-    least = std::min(least, (point.head<2>() - p).squaredNorm());
+float RouteField::distance(const Eigen::Vector2f& p, float max_m) const {
+  float min_square = max_m * max_m;
+  visit_near(p, max_m, [&](const Eigen::Vector3f& point) {
+    min_square = std::min(min_square, (point.head<2>() - p).squaredNorm());
   });
-  return std::sqrt(least);
+  return std::sqrt(min_square);
 }
 
 bool RouteField::is_clear(const Footprint& footprint, float clearance_m) const {

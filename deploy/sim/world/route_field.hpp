@@ -32,8 +32,8 @@ class RouteField {
   /// `lateral_m` to the left of the route, which goes straight on beyond its ends; z is its own.
   [[nodiscard]] Eigen::Vector3f beside(float arc_m, float lateral_m) const;
 
-  /// To the whole route, wherever it comes back; at most `most_m`.
-  [[nodiscard]] float distance(const Eigen::Vector2f& p, float most_m) const;
+  /// To the whole route, wherever it comes back; at most `max_m`.
+  [[nodiscard]] float distance(const Eigen::Vector2f& p, float max_m) const;
   [[nodiscard]] bool is_clear(const Footprint& footprint, float clearance_m) const;
 
   /// Points of the route within `radius_m`.

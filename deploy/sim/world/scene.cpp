@@ -216,7 +216,7 @@ Scene build_scene(const SceneConfig& config,
   scene.body_height_m = config.body_height_m;
   scene.route = std::make_shared<const RouteField>(route_map);
   Site site(*scene.route, config, seed);
-  scene.ground = site.ground().thing();
+  scene.ground = site.ground().object();
   add_buildings(site, scene);
   add_structures(site, scene);
   add_cars(site, scene);

@@ -14,21 +14,21 @@
 
 namespace fleetloc {
 
-/// A place where, by session, one of several things stands or none.
+/// A place where, by season, one of several objects stands or none.
 struct Slot {
   Footprint footprint;
-  std::vector<Thing> variants;
+  std::vector<SceneObject> variants;
 };
 
-/// Everything that can stand along a route; a session shows part of it. See apply_session().
+/// Everything that can stand along a route; a season shows part of it. See apply_season().
 struct Scene {
   std::uint64_t seed = 0;
   std::shared_ptr<const RouteField> route;
   float body_height_m = 0.0F;
-  Thing ground;  ///< surfaces as in GroundSurface
-  std::vector<Thing> buildings;
-  std::vector<Thing> furniture;  ///< wood of trees, poles, walls, signs, ...
-  std::vector<Thing> leaves;
+  SceneObject ground;  ///< surfaces as in GroundSurface
+  std::vector<SceneObject> buildings;
+  std::vector<SceneObject> furniture;  ///< wood of trees, poles, walls, signs, ...
+  std::vector<SceneObject> leaves;
   std::vector<Slot> cars;
   std::vector<Slot> structures;
 };

@@ -8,8 +8,8 @@ namespace {
 
 constexpr float kRadians = std::numbers::pi_v<float> / 180.0F;
 
-float within(ConfigReader& config, const std::string& key, double least, double most) {
-  return static_cast<float>(config.number(key, least, most));
+float within(ConfigReader& config, const std::string& key, double min, double max) {
+  return static_cast<float>(config.number(key, min, max));
 }
 
 float positive(ConfigReader& config, const std::string& key) {
@@ -22,8 +22,8 @@ float share(ConfigReader& config, const std::string& key) {
 
 /// `least_<what>` and `most_<what>`.
 Eigen::Vector2f range(ConfigReader& config, const std::string& what) {
-  const float least = positive(config, "least_" + what);
-  return {least, within(config, "most_" + what, least, 1e3)};
+  const float min = positive(config, "min_" + what);
+  return {min, within(config, "max_" + what, min, 1e3)};
 }
 
 SceneConfig read_scene(ConfigReader config) {
@@ -52,27 +52,27 @@ SceneConfig read_scene(ConfigReader config) {
   return scene;
 }
 
-SessionConfig read_session(const std::string& name, ConfigReader config) {
-  SessionConfig session{};
-  session.name = name;
-  session.sun_azimuth_rad = kRadians * within(config, "sun_azimuth_deg", -360.0, 360.0);
-  session.sun_elevation_rad = kRadians * within(config, "sun_elevation_deg", 3.0, 90.0);
-  session.sun = within(config, "sun", 0.0, 10.0);
-  session.ambient = within(config, "ambient", 0.001, 10.0);
-  session.haze_m = positive(config, "haze_m");
-  session.has_leaves = config.get<bool>("has_leaves");
-  session.leaf_albedo = share(config, "leaf_albedo");
-  session.grass_albedo = share(config, "grass_albedo");
-  session.snow = share(config, "snow");
-  session.snow_depth_m = within(config, "snow_depth_m", 0.0, 1.0);
-  session.cars_present = share(config, "cars_present");
-  session.cars_changed = share(config, "cars_changed");
-  session.structures_present = share(config, "structures_present");
-  session.structures_changed = share(config, "structures_changed");
-  session.facades_changed = share(config, "facades_changed");
-  session.people_per_100_m = within(config, "people_per_100_m", 0.0, 200.0);
-  session.bicycles_per_100_m = within(config, "bicycles_per_100_m", 0.0, 200.0);
-  return session;
+SeasonConfig read_season(const std::string& name, ConfigReader config) {
+  SeasonConfig season{};
+  season.name = name;
+  season.sun_azimuth_rad = kRadians * within(config, "sun_azimuth_deg", -360.0, 360.0);
+  season.sun_elevation_rad = kRadians * within(config, "sun_elevation_deg", 3.0, 90.0);
+  season.sun = within(config, "sun", 0.0, 10.0);
+  season.ambient = within(config, "ambient", 0.001, 10.0);
+  season.haze_m = positive(config, "haze_m");
+  season.has_leaves = config.get<bool>("has_leaves");
+  season.leaf_albedo = share(config, "leaf_albedo");
+  season.grass_albedo = share(config, "grass_albedo");
+  season.snow = share(config, "snow");
+  season.snow_depth_m = within(config, "snow_depth_m", 0.0, 1.0);
+  season.cars_present = share(config, "cars_present");
+  season.cars_changed = share(config, "cars_changed");
+  season.structures_present = share(config, "structures_present");
+  season.structures_changed = share(config, "structures_changed");
+  season.facades_changed = share(config, "facades_changed");
+  season.people_per_100_m = within(config, "people_per_100_m", 0.0, 200.0);
+  season.bicycles_per_100_m = within(config, "bicycles_per_100_m", 0.0, 200.0);
+  return season;
 }
 
 }  // namespace
@@ -80,23 +80,23 @@ SessionConfig read_session(const std::string& name, ConfigReader config) {
 WorldConfig read_world_config(ConfigReader config) {
   WorldConfig world{.scene = read_scene(config.section("scene")),
                     .survey = config.get<std::string>("survey"),
-                    .sessions = {}};
-  ConfigReader sessions = config.section("sessions");
-  for (const std::string& name : sessions.keys()) {
-    world.sessions.push_back(read_session(name, sessions.section(name)));
+                    .seasons = {}};
+  ConfigReader seasons = config.section("seasons");
+  for (const std::string& name : seasons.keys()) {
+    world.seasons.push_back(read_season(name, seasons.section(name)));
   }
   config.expect_fully_read();
-  session_named(world, world.survey);
+  season_named(world, world.survey);
   return world;
 }
 
-const SessionConfig& session_named(const WorldConfig& world, const std::string& name) {
+const SeasonConfig& season_named(const WorldConfig& world, const std::string& name) {
   std::string names;
-  for (const SessionConfig& session : world.sessions) {
-    if (session.name == name) return session;
-    names += (names.empty() ? "" : ", ") + session.name;
+  for (const SeasonConfig& season : world.seasons) {
+    if (season.name == name) return season;
+    names += (names.empty() ? "" : ", ") + season.name;
   }
-  throw ConfigError("session '" + name + "' is not in the world; there are: " + names);
+  throw ConfigError("season '" + name + "' is not in the world; there are: " + names);
 }
 
 }  // namespace fleetloc

@@ -41,7 +41,7 @@ struct SceneConfig {
 };
 
 /// One season of a scene.
-struct SessionConfig {
+struct SeasonConfig {
   std::string name;
   float sun_azimuth_rad;  ///< from map's x axis towards y
   float sun_elevation_rad;
@@ -65,14 +65,14 @@ struct SessionConfig {
 /// One world: a scene and its seasons.
 struct WorldConfig {
   SceneConfig scene;
-  std::string survey;  ///< session in which the map was made
-  std::vector<SessionConfig> sessions;
+  std::string survey;  ///< season in which the map was made
+  std::vector<SeasonConfig> seasons;
 };
 
-/// Strict; throws ConfigError, also if the survey is not among the sessions.
+/// Strict; throws ConfigError, also if the survey is not among the seasons.
 WorldConfig read_world_config(ConfigReader config);
 
 /// Throws ConfigError, naming those there are.
-const SessionConfig& session_named(const WorldConfig& world, const std::string& name);
+const SeasonConfig& season_named(const WorldConfig& world, const std::string& name);
 
 }  // namespace fleetloc

@@ -11,22 +11,24 @@
 
 namespace fleetloc {
 
-/// A thing of the world, put together from simple shapes in its own frame. The mesh is in map; its
-/// surfaces count those of this thing.
-struct Thing {
+/// An object of the world, put together from simple shapes in its own frame. The mesh is in map;
+/// its surfaces count those of this object.
+struct SceneObject {
   Placement placement;
   Mesh mesh;
   std::vector<Surface> surfaces;
 };
 
-/// @return the index of the new surface, whose texture is fixed in the thing's frame
-std::uint32_t add_surface(Thing& thing, Pattern pattern, float albedo, std::uint32_t seed);
+/// @return the index of the new surface, whose texture is fixed in the object's frame
+std::uint32_t add_surface(SceneObject& object, Pattern pattern, float albedo, std::uint32_t seed);
 
-/// Corners in the thing's frame, around the face.
-void add_quad(Thing& thing, const std::array<Eigen::Vector3f, 4>& corners, std::uint32_t surface);
+/// Corners in the object's frame, around the face.
+void add_quad(SceneObject& object,
+              const std::array<Eigen::Vector3f, 4>& corners,
+              std::uint32_t surface);
 
-/// Upright in the thing's frame.
-void add_box(Thing& thing,
+/// Upright in the object's frame.
+void add_box(SceneObject& object,
              const Eigen::Vector3f& center,
              const Eigen::Vector3f& size,
              std::uint32_t surface);
@@ -38,9 +40,9 @@ struct Rod {
   std::array<float, 2> radii_m;
   int sides = 6;
 };
-void add_rod(Thing& thing, const Rod& rod, std::uint32_t surface);
+void add_rod(SceneObject& object, const Rod& rod, std::uint32_t surface);
 
-/// Appends `thing` to a mesh and its surfaces to the mesh's.
-void append(const Thing& thing, Mesh& mesh, std::vector<Surface>& surfaces);
+/// Appends `object` to a mesh and its surfaces to the mesh's.
+void append(const SceneObject& object, Mesh& mesh, std::vector<Surface>& surfaces);
 
 }  // namespace fleetloc

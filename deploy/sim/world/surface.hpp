@@ -29,7 +29,7 @@ enum class Pattern : std::uint8_t {
   kCloth,
 };
 
-/// Position and heading of a thing: its frame is z up, its x axis is turned by yaw from map's.
+/// Position and heading of an object: its frame is z up, its x axis is turned by yaw from map's.
 struct Placement {
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
   float yaw_rad = 0.0F;
@@ -37,7 +37,7 @@ struct Placement {
   [[nodiscard]] Eigen::Vector3f to_map(const Eigen::Vector3f& p_local) const;
 };
 
-/// What a triangle looks like: a solid texture, fixed in the thing's own frame, of gray albedo.
+/// What a triangle looks like: a solid texture, fixed in the object's own frame, of gray albedo.
 struct Surface {
   Pattern pattern = Pattern::kPlaster;
   float albedo = 0.4F;  ///< mean

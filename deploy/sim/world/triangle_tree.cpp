@@ -44,7 +44,7 @@ RTCIntersectContext context_for(RTCIntersectContextFlags flags) {
   return context;
 }
 
-RTCRay single(const Ray& ray, float least_m, float most_m) {
+RTCRay single(const Ray& ray, float min_m, float max_m) {
   RTCRay result{};
   result.org_x = ray.origin_map.x();
   result.org_y = ray.origin_map.y();
@@ -52,8 +52,8 @@ RTCRay single(const Ray& ray, float least_m, float most_m) {
   result.dir_x = ray.direction_map.x();
   result.dir_y = ray.direction_map.y();
   result.dir_z = ray.direction_map.z();
-  result.tnear = least_m;
-  result.tfar = most_m;
+  result.tnear = min_m;
+  result.tfar = max_m;
   result.mask = ~0U;
   return result;
 }
@@ -63,7 +63,7 @@ struct alignas(64) ValidLanes : RayPacket::Lanes<int> {};
 
 ValidLanes valid_lanes(const RayPacket& rays) {
   ValidLanes valid{};
-  for (std::size_t i = 0; i < valid.size(); ++i) valid[i] = rays.most_m[i] >= 0.0F ? -1 : 0;
+  for (std::size_t i = 0; i < valid.size(); ++i) valid[i] = rays.max_m[i] >= 0.0F ? -1 : 0;
   return valid;
 }
 
@@ -80,8 +80,8 @@ void fill_packet(const RayPacket& rays, RTCRay16& packet) {
   copy(rays.direction_x, packet.dir_x);
   copy(rays.direction_y, packet.dir_y);
   copy(rays.direction_z, packet.dir_z);
-  copy(rays.least_m, packet.tnear);
-  copy(rays.most_m, packet.tfar);
+  copy(rays.min_m, packet.tnear);
+  copy(rays.max_m, packet.tfar);
   std::fill_n(packet.time, RayPacket::kSize, 0.0F);
   std::fill_n(packet.mask, RayPacket::kSize, ~0U);
   std::fill_n(packet.id, RayPacket::kSize, 0U);
@@ -165,10 +165,10 @@ std::array<Eigen::Vector3f, 3> TriangleTree::corners(std::uint32_t triangle) con
   return corners;
 }
 
-std::optional<Hit> TriangleTree::first_hit(const Ray& ray, float most_m) const {
+std::optional<Hit> TriangleTree::first_hit(const Ray& ray, float max_m) const {
   RTCIntersectContext context = context_for(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
   RTCRayHit hit{};
-  hit.ray = single(ray, 0.0F, most_m);
+  hit.ray = single(ray, 0.0F, max_m);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene_, &context, &hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -185,7 +185,7 @@ void TriangleTree::first_hits(const RayPacket& rays, HitPacket& hits) const {
   RTCRayHit16 query{};
   fill_packet(rays, query.ray);
   for (std::size_t i = 0; i < RayPacket::kSize; i += 4) {
-    store4(min4(load4(&rays.most_m[i]), load4(&hits.distance_m[i])), &query.ray.tfar[i]);
+    store4(min4(load4(&rays.max_m[i]), load4(&hits.distance_m[i])), &query.ray.tfar[i]);
   }
   std::fill_n(query.hit.geomID, RayPacket::kSize, RTC_INVALID_GEOMETRY_ID);
   rtcIntersect16(valid.data(), scene_, &context, &query);
@@ -203,9 +203,9 @@ void TriangleTree::first_hits(const RayPacket& rays, HitPacket& hits) const {
   }
 }
 
-bool TriangleTree::occluded(const Ray& ray, float least_m, float most_m) const {
+bool TriangleTree::occluded(const Ray& ray, float min_m, float max_m) const {
   RTCIntersectContext context = context_for(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-  RTCRay query = single(ray, least_m, most_m);
+  RTCRay query = single(ray, min_m, max_m);
   rtcOccluded1(scene_, &context, &query);
   return query.tfar < 0.0F;
 }

@@ -29,12 +29,12 @@ class TriangleTree {
   [[nodiscard]] std::array<Eigen::Vector3f, 3> corners(std::uint32_t triangle) const;
   [[nodiscard]] std::uint32_t surface(std::uint32_t triangle) const { return surfaces_[triangle]; }
 
-  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray, float most_m) const;
+  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray, float max_m) const;
 
   /// Keeps what is nearer than the hits.
   void first_hits(const RayPacket& rays, HitPacket& hits) const;
 
-  [[nodiscard]] bool occluded(const Ray& ray, float least_m, float most_m) const;
+  [[nodiscard]] bool occluded(const Ray& ray, float min_m, float max_m) const;
   [[nodiscard]] std::uint32_t occluded(const RayPacket& rays) const;
   [[nodiscard]] bool has_surface_within(const Eigen::Vector3f& p_map, float radius_m) const;
 

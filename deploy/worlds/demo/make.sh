@@ -53,7 +53,7 @@ case $1 in
     for route in robot_*.yaml; do
       drive=$folder/drives/${route%.yaml}
       truth=$folder/truth/${route%.yaml}.csv
-      simulated "$drive" "$route" --built-along streets.yaml --session autumn --seed $seed
+      simulated "$drive" "$route" --built-along streets.yaml --season autumn --seed $seed
       if [ -d "$drive/mav0/state_groundtruth_estimate0" ]; then
         mv "$drive/mav0/state_groundtruth_estimate0/data.csv" "$truth"
         rm -r "$drive/mav0/state_groundtruth_estimate0"

@@ -2,8 +2,8 @@
 
 // Makes up for: Fast DDS 2.9.1 does not watch the addresses of the computer after a participant
 // was made.
-// Delete when: as renewal_policy.hpp; then also has_route(), which tells which of the addresses that
-// Fast DDS sends to are reached at all.
+// Delete when: as participant_recreation_policy.hpp; then also has_route(), which tells which of
+// the addresses that Fast DDS sends to are reached at all.
 
 #include <chrono>
 #include <compare>

@@ -2,7 +2,7 @@
 
 // Makes up for: participants of Fast DDS 2.9.1 that replace one another in a process get the GUID
 // of their predecessor, and are taken for it by those who have not seen it leave.
-// Delete when: nothing recreates participants any more (see renewal_policy.hpp).
+// Delete when: nothing recreates participants any more (see participant_recreation_policy.hpp).
 
 #include <cstdint>
 #include <optional>
@@ -18,7 +18,7 @@ struct ParticipantIdentity {
   eprosima::fastrtps::rtps::GuidPrefix_t prefix;
 };
 
-/// For one that takes the place of a participant that is gone, and is a stranger to those who have
+/// For one that takes the place of a participant that is gone, and unknown to those who have
 /// not noticed yet. By its GUID, and by its id as well: Fast DDS also tells others the GUID that it
 /// would have given to the id, and they go on from what its last bearer had sent. The ids go round
 /// in fours, since the ports of those beyond the first few are not looked for by unicast; nothing,

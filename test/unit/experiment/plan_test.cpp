@@ -130,8 +130,8 @@ TEST_F(PlanFile, IsRefusedForWhatTheProgramsWouldRefuse) {
 TEST_F(PlanFile, IsRefusedForASessionThatTheSceneDoesNotHave) {
   const std::string scene = std::string(FLEETLOC_SOURCE_DIR) + "/deploy/worlds/campus.yaml";
   expect_refused("folder: flight, ",
-                 "simulated: {scene: " + scene + ", route: " + scene + ", session: monsoon}, ",
-                 "6: datasets.flight.simulated.session",
+                 "simulated: {scene: " + scene + ", route: " + scene + ", season: monsoon}, ",
+                 "6: datasets.flight.simulated.season",
                  "'monsoon' is not in");
 }
 
@@ -139,7 +139,7 @@ TEST_F(PlanFile, IsRefusedForStreetsThatAreNotThere) {
   const std::string scene = std::string(FLEETLOC_SOURCE_DIR) + "/deploy/worlds/campus.yaml";
   expect_refused("folder: flight, ",
                  "simulated: {scene: " + scene + ", route: " + scene +
-                     ", built_along: nowhere.yaml, session: autumn}, ",
+                     ", built_along: nowhere.yaml, season: autumn}, ",
                  "6: datasets.flight.simulated.built_along",
                  "no such file");
 }

@@ -9,8 +9,8 @@
 #include "shared/config/config_reader.hpp"
 #include "shared/core/time.hpp"
 #include "shared/geometry/so3.hpp"
-#include "shared/model/answer.hpp"
 #include "shared/model/inertial.hpp"
+#include "shared/model/localization_result.hpp"
 
 namespace fleetloc {
 
@@ -19,9 +19,9 @@ inline PoseFusion::Config fusion_config() {
   return read_pose_fusion_config(reader.section("fusion"));
 }
 
-inline PoseFusion::Config single_filter_config() {
+inline PoseFusion::Config coupled_config() {
   PoseFusion::Config config = fusion_config();
-  config.formulation = PoseFusion::Formulation::kSingleFilter;
+  config.formulation = PoseFusion::Formulation::kCoupled;
   return config;
 }
 
@@ -78,8 +78,8 @@ inline Matrix6d answer_covariance() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-inline Answer answer(double t, const Pose& T_map_body) {
-  Answer result;
+inline LocalizationResult answer(double t, const Pose& T_map_body) {
+  LocalizationResult result;
   result.localizer = "cloud";
   result.status = LocalizationStatus::kLocalized;
   result.stamp = at(t);

@@ -27,7 +27,7 @@ class DriftingRun {
   std::pair<double, int> squared_errors(const PoseFusion::Config& config) {
     const auto owned = make_pose_fusion(euroc_imu_noise(), config);
     PoseFusion& fusion = *owned;
-    std::vector<Answer> sent;
+    std::vector<LocalizationResult> sent;
     double sum = 0.0;
     int count = 0;
     for (int tick = 0; 0.02 * tick < kRun; ++tick) {
@@ -86,13 +86,13 @@ class DriftingRun {
     return odometry(t, state);
   }
   Vector6d frame_jitter() {
-    const AnswerNoise& noise = model_.answers.noise;
+    const LocalizationNoise& noise = model_.answers.noise;
     Vector6d sigma;
     sigma << Eigen::Vector3d::Constant(noise.clone_rotation),
         Eigen::Vector3d::Constant(noise.clone_translation);
     return sigma.cwiseProduct(standard_normal());
   }
-  Answer next_answer(double t) {
+  LocalizationResult next_answer(double t) {
     const double share = model_.answers.noise.white_share;
     const double rho = std::exp(-kAnswerInterval / model_.answers.correlation_time_s);
     u_ = rho * u_ + std::sqrt(1.0 - rho * rho) * standard_normal();
@@ -100,7 +100,7 @@ class DriftingRun {
                                (std::sqrt(1.0 - share) * u_ + std::sqrt(share) * standard_normal());
     const Pose truth = drive_.pose(t);
     const Matrix6d A = adjoint({truth.R.conjugate(), Eigen::Vector3d::Zero()});
-    Answer result = answer(t, retract(truth, A * error_map));
+    LocalizationResult result = answer(t, retract(truth, A * error_map));
     result.covariance = A * answer_covariance() * A.transpose();
     result.covariance = 0.5 * (result.covariance + result.covariance.transpose()).eval();
     return result;
@@ -151,10 +151,10 @@ TEST(FusionNees, WouldBeManyIfTheErrorsWereTakenForWhite) {
 }
 
 // The paper's filter takes all errors for white.
-TEST(FusionNees, OfTheSingleFilterIsNearOneWithWhiteErrors) {
+TEST(FusionNees, OfTheCoupledFilterIsNearOneWithWhiteErrors) {
   PoseFusion::Config white = fusion_config();
   white.answers.noise.white_share = 1.0;
-  const auto [nees, refused] = run_all(white, single_filter_config());
+  const auto [nees, refused] = run_all(white, coupled_config());
   std::cout << "NEES per degree of freedom, single filter, white errors: " << nees << ", "
             << refused << " answers refused\n";
   EXPECT_GT(nees, 0.8);
@@ -162,8 +162,8 @@ TEST(FusionNees, OfTheSingleFilterIsNearOneWithWhiteErrors) {
   EXPECT_LT(refused, kSeeds);
 }
 
-TEST(FusionNees, OfTheSingleFilterIsManyWithCorrelatedAnswers) {
-  const auto [nees, refused] = run_all(fusion_config(), single_filter_config());
+TEST(FusionNees, OfTheCoupledFilterIsManyWithCorrelatedAnswers) {
+  const auto [nees, refused] = run_all(fusion_config(), coupled_config());
   std::cout << "NEES per degree of freedom, single filter, correlated errors: " << nees << ", "
             << refused << " answers refused\n";
   EXPECT_GT(nees, 2.0);
@@ -183,7 +183,7 @@ double squared_error_after_growing_window(unsigned seed, int answers) {
   for (int n = 1; n <= answers; ++n) {
     sum += sigma.cwiseProduct(Vector6d::NullaryExpr([&] { return normal(random); }));
     fed.drive_to(n + 0.5);
-    Answer mean = answer(n, retract(fed.drive.pose(n), sum / n));
+    LocalizationResult mean = answer(n, retract(fed.drive.pose(n), sum / n));
     mean.covariance = Matrix6d(sigma.cwiseAbs2().asDiagonal()) / n;
     EXPECT_TRUE(fed.fusion.add_answer(mean).applied) << "seed " << seed << ", answer " << n;
   }

@@ -24,7 +24,7 @@ TEST(PoseFusion, IsNotLocalizedFromAnInterruptionOnUntilAnAnswerOfTheNewSessionA
   fed.drive_to(5.0, false);
   EXPECT_EQ(fed.output.quality, Quality::kLost);
 
-  StartPose carried{true_T_map_odom(), 1e-2 * Matrix6d::Identity()};
+  MapOdomEstimate carried{true_T_map_odom(), 1e-2 * Matrix6d::Identity()};
   carried.T_map_odom.p.x() += 0.1;
   fed.fusion.reset(SessionNumber{2}, carried);
   fed.drive_to(6.0);
@@ -32,7 +32,7 @@ TEST(PoseFusion, IsNotLocalizedFromAnInterruptionOnUntilAnAnswerOfTheNewSessionA
   EXPECT_NEAR(distance(*fed.output.T_map_body, true_T_map_odom() * fed.drive.pose(6.0)), 0.1, 0.02);
   EXPECT_GT((fed.output.covariance_map.bottomRightCorner<3, 3>().trace()), 2e-2);
 
-  Answer fresh = answer(5.8, true_T_map_odom() * fed.drive.pose(5.8));
+  LocalizationResult fresh = answer(5.8, true_T_map_odom() * fed.drive.pose(5.8));
   EXPECT_EQ(fed.fusion.add_answer(fresh).reason, "wrong_session");
   fresh.session = SessionNumber{2};
   EXPECT_EQ(fed.fusion.add_answer(fresh).reason, "applied");
@@ -46,14 +46,15 @@ TEST(PoseFusion, GatesTheFirstAnswerAfterAResetAgainstWhatWasCarried) {
   FedFusion fed;
   fed.drive_to(3.0);
   fed.answer_at(2.8);
-  fed.fusion.reset(SessionNumber{2}, StartPose{true_T_map_odom(), 1e-2 * Matrix6d::Identity()});
+  fed.fusion.reset(SessionNumber{2},
+                   MapOdomEstimate{true_T_map_odom(), 1e-2 * Matrix6d::Identity()});
   fed.drive_to(6.0);
   Pose elsewhere = true_T_map_odom();
   elsewhere.p.y() += 2.0;
-  Answer wrong = answer(5.8, elsewhere * fed.drive.pose(5.8));
+  LocalizationResult wrong = answer(5.8, elsewhere * fed.drive.pose(5.8));
   wrong.session = SessionNumber{2};
   EXPECT_EQ(fed.fusion.add_answer(wrong).reason, "gated");
-  Answer other_map = answer(5.9, true_T_map_odom() * fed.drive.pose(5.9));
+  LocalizationResult other_map = answer(5.9, true_T_map_odom() * fed.drive.pose(5.9));
   other_map.session = SessionNumber{2};
   other_map.map_hash.front() ^= 1;
   EXPECT_EQ(fed.fusion.add_answer(other_map).reason, "wrong_map");
@@ -64,7 +65,7 @@ TEST(PoseFusion, GatesTheFirstAnswerAfterAResetAgainstWhatWasCarried) {
 TEST(PoseFusion, CarriesNothingOverAResetIfNoAnswerEverCame) {
   FedFusion fed;
   fed.drive_to(3.0);
-  fed.fusion.reset(SessionNumber{2}, StartPose{true_T_map_odom(), Matrix6d::Identity()});
+  fed.fusion.reset(SessionNumber{2}, MapOdomEstimate{true_T_map_odom(), Matrix6d::Identity()});
   fed.drive_to(4.0);
   EXPECT_EQ(fed.output.quality, Quality::kLost);
   EXPECT_FALSE(fed.output.T_map_body.has_value());

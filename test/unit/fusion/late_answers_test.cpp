@@ -30,7 +30,7 @@ Matrix6d body_to_map_axes(const Pose& T_map_body) {
 
 struct Arrival {
   double t;  ///< [s]
-  Answer answer;
+  LocalizationResult answer;
 };
 
 // Answers for a frame every 0.7 to 2 s, up to 20 s late.
@@ -48,7 +48,7 @@ std::vector<Arrival> some_arrivals(std::mt19937& generator, double error_sigma) 
   return arrivals;
 }
 
-StartPose fuse(std::vector<Arrival> arrivals, const PoseFusion::Config& config) {
+MapOdomEstimate fuse(std::vector<Arrival> arrivals, const PoseFusion::Config& config) {
   std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
     return a.t < b.t;
   });
@@ -75,7 +75,7 @@ class Batch {
     add_tilt();
     add(Matrix6d::Identity(), {{6, Matrix6d::Identity()}}, Vector6d::Zero());
     for (Eigen::Index k = 0; k < n; ++k) {
-      const Answer& now = arrivals[static_cast<std::size_t>(k)].answer;
+      const LocalizationResult& now = arrivals[static_cast<std::size_t>(k)].answer;
       if (k > 0) {
         add_evolution(arrivals[static_cast<std::size_t>(k - 1)].answer, now, k);
       }
@@ -122,12 +122,12 @@ class Batch {
     }
     return sum;
   }
-  static Matrix6d covariance_map(const Answer& answer) {
+  static Matrix6d covariance_map(const LocalizationResult& answer) {
     const Matrix6d A = body_to_map_axes(answer.T_map_body);
     return A * answer.covariance * A.transpose();
   }
   // What both answers share has the smaller of their covariances.
-  static Matrix6d error_transition(const Answer& from, const Answer& to) {
+  static Matrix6d error_transition(const LocalizationResult& from, const LocalizationResult& to) {
     const Matrix6d before = covariance_map(from);
     const Matrix6d after = covariance_map(to);
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(after, before);
@@ -135,7 +135,7 @@ class Batch {
     const Matrix6d shared = W.transpose() * eigen.eigenvalues().cwiseMin(1.0).asDiagonal() * W;
     return after.sqrt().inverse() * shared * before.sqrt().inverse();
   }
-  void add_evolution(const Answer& from, const Answer& to, Eigen::Index k) {
+  void add_evolution(const LocalizationResult& from, const LocalizationResult& to, Eigen::Index k) {
     const Matrix6d I = Matrix6d::Identity();
     add(drift(from.stamp, to.stamp), {{12 * (k - 1), -I}, {12 * k, I}}, Vector6d::Zero());
     const double seconds = to_seconds(to.stamp - from.stamp);
@@ -143,8 +143,8 @@ class Batch {
         std::exp(-seconds / config_.answers.correlation_time_s) * error_transition(from, to);
     add(I - F * F.transpose(), {{12 * (k - 1) + 6, -F}, {12 * k + 6, I}}, Vector6d::Zero());
   }
-  void add_answer(const Answer& now, Eigen::Index k) {
-    const AnswerNoise& noise = config_.answers.noise;
+  void add_answer(const LocalizationResult& now, Eigen::Index k) {
+    const LocalizationNoise& noise = config_.answers.noise;
     const Pose T_odom_body = CircularDrive{}.pose(to_seconds(now.stamp - Timestamp{}));
     const Matrix6d A = body_to_map_axes(now.T_map_body);
     const Matrix6d root_map = covariance_map(now).sqrt();
@@ -175,7 +175,7 @@ TEST(LateAnswers, GiveTheBatchSolution) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 generator(seed);
     const std::vector<Arrival> arrivals = some_arrivals(generator, kErrorSigma);
-    const StartPose result = fuse(arrivals, config);
+    const MapOdomEstimate result = fuse(arrivals, config);
     const Batch batch(arrivals, config);
     const Vector6d d = local_coordinates(nearly_level_alignment(), result.T_map_odom);
     EXPECT_LT((d - batch.d_last()).norm(), 1e-3 * batch.d_last().norm())
@@ -220,10 +220,10 @@ TEST(LateAnswers, GiveTheSameInAnyOrderWithOutliersAndRepetitions) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 generator(seed);
     const auto arrivals = repeated_and_revised(some_arrivals(generator, 0.01));
-    for (const PoseFusion::Config& config : {fusion_config(), single_filter_config()}) {
-      const StartPose expected = fuse(delivered_at_once(arrivals), config);
+    for (const PoseFusion::Config& config : {fusion_config(), coupled_config()}) {
+      const MapOdomEstimate expected = fuse(delivered_at_once(arrivals), config);
       for (int permutation = 0; permutation < 3; ++permutation) {
-        const StartPose result = fuse(delivered_at_random(arrivals, generator), config);
+        const MapOdomEstimate result = fuse(delivered_at_random(arrivals, generator), config);
         EXPECT_LT(local_coordinates(expected.T_map_odom, result.T_map_odom).norm(), 1e-9);
         EXPECT_LT((expected.covariance - result.covariance).norm(), 1e-12);
       }
@@ -265,7 +265,7 @@ void expect_no_effect_of_the_buffer(const PoseFusion::Config& config) {
 
 TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {
   expect_no_effect_of_the_buffer(fusion_config());
-  expect_no_effect_of_the_buffer(single_filter_config());
+  expect_no_effect_of_the_buffer(coupled_config());
 }
 
 }  // namespace

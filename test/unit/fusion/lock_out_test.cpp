@@ -25,7 +25,7 @@ class LockOut : public testing::TestWithParam<PoseFusion::Formulation> {
   }
   PoseFusion::Verdict answer_from(const std::string& localizer, double t, const Pose& T_map_odom) {
     fed_.drive_to(t + 1.0);
-    Answer said = answer(t, T_map_odom * fed_.drive.pose(t));
+    LocalizationResult said = answer(t, T_map_odom * fed_.drive.pose(t));
     said.localizer = localizer;
     return fed_.fusion.add_answer(said);
   }
@@ -143,7 +143,7 @@ TEST_P(LockOut, IsLostWhileHalfOfTheAnswersContradict) {
 // Another localizer that starts there must be able to find the truth.
 TEST_P(LockOut, TheStartPoseReachesToWhatContradictsIt) {
   const auto deviations_from_truth = [this] {
-    const StartPose start = *fed_.fusion.start_pose();
+    const MapOdomEstimate start = *fed_.fusion.start_pose();
     const Vector6d error = local_coordinates(start.T_map_odom, true_T_map_odom());
     return std::sqrt(error.dot(start.covariance.llt().solve(error)));
   };
@@ -160,7 +160,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
   constexpr MapHash kOther{7};
   const auto other_map = [&](double t, SessionNumber session) {
     fed_.drive_to(t + 1.0);
-    Answer said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
+    LocalizationResult said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
     said.map_hash = kOther;
     said.session = session;
     return fed_.fusion.add_answer(said);
@@ -190,10 +190,10 @@ TEST_P(SoonLost, WhatDriftedTooFarIsFoundAgainByOneAnswer) {
 }
 
 constexpr auto kFormulation = [](const auto& info) {
-  return info.param == PoseFusion::Formulation::kTwoBlocks ? "TwoBlocks" : "SingleFilter";
+  return info.param == PoseFusion::Formulation::kDecoupled ? "Decoupled" : "Coupled";
 };
 const auto kBoth =
-    testing::Values(PoseFusion::Formulation::kTwoBlocks, PoseFusion::Formulation::kSingleFilter);
+    testing::Values(PoseFusion::Formulation::kDecoupled, PoseFusion::Formulation::kCoupled);
 INSTANTIATE_TEST_SUITE_P(Fusion, LockOut, kBoth, kFormulation);
 INSTANTIATE_TEST_SUITE_P(Fusion, SoonLost, kBoth, kFormulation);
 

@@ -30,7 +30,7 @@ class EitherFusion : public testing::TestWithParam<PoseFusion::Formulation> {
     result.formulation = GetParam();
     return result;
   }
-  static bool is_single() { return GetParam() == PoseFusion::Formulation::kSingleFilter; }
+  static bool is_single() { return GetParam() == PoseFusion::Formulation::kCoupled; }
   /// The single filter takes the map for level; this one is tilted by 2 mrad.
   static double tolerance() { return is_single() ? 6e-3 : 2e-3; }
 };
@@ -95,7 +95,7 @@ TEST_P(EitherFusion, FirstAnswerPlacesTheRobotInTheMap) {
   EXPECT_EQ(fed.output.since_last_answer, at(3.01) - at(1.0));
 }
 
-TEST_P(EitherFusion, StartPoseIsTheAlignmentWithItsCovariance) {
+TEST_P(EitherFusion, MapOdomEstimateIsTheAlignmentWithItsCovariance) {
   FedFusion fed(config());
   fed.drive_to(3.0);
   fed.answer_at(0.0);  // odom and body coincide there
@@ -174,23 +174,28 @@ TEST_P(EitherFusion, NamesEveryRefusal) {
   EXPECT_EQ(fed.answer_at(9.8).reason, "too_old");
   EXPECT_EQ(fed.answer_at(20.0).reason, "applied");
   EXPECT_EQ(fed.answer_at(20.0).reason, "duplicate");
-  Answer bad = answer(21.0, true_T_map_odom() * fed.drive.pose(21.0));
+  LocalizationResult bad = answer(21.0, true_T_map_odom() * fed.drive.pose(21.0));
   const auto verdict_on = [&](auto change) {
-    Answer changed = bad;
+    LocalizationResult changed = bad;
     change(changed);
     return fed.fusion.add_answer(changed);
   };
-  EXPECT_EQ(verdict_on([](Answer& a) { a.status = LocalizationStatus::kPoorFit; }).reason,
-            "not_localized");
-  EXPECT_EQ(verdict_on([](Answer& a) { a.map_hash[3] = 1; }).reason, "wrong_map");
+  EXPECT_EQ(
+      verdict_on([](LocalizationResult& a) { a.status = LocalizationStatus::kPoorFit; }).reason,
+      "not_localized");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.map_hash[3] = 1; }).reason, "wrong_map");
   bad.stamp = at(22.0);
   bad.T_map_body = true_T_map_odom() * fed.drive.pose(22.0);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(verdict_on([](Answer& a) { a.T_map_body.p.x() = kNan; }).reason, "not_finite");
-  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 0) = kNan; }).reason, "not_finite");
-  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 0) = -1.0; }).reason, "bad_covariance");
-  EXPECT_EQ(verdict_on([](Answer& a) { a.covariance(0, 5) = 1e-6; }).reason, "bad_covariance");
-  EXPECT_EQ(verdict_on([](Answer& a) { a.T_map_body.p.x() += 2.0; }).reason, "gated");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.T_map_body.p.x() = kNan; }).reason,
+            "not_finite");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.covariance(0, 0) = kNan; }).reason,
+            "not_finite");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.covariance(0, 0) = -1.0; }).reason,
+            "bad_covariance");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.covariance(0, 5) = 1e-6; }).reason,
+            "bad_covariance");
+  EXPECT_EQ(verdict_on([](LocalizationResult& a) { a.T_map_body.p.x() += 2.0; }).reason, "gated");
 }
 
 TEST_P(EitherFusion, RefusesAnswersThatWouldTiltTheMap) {
@@ -207,8 +212,8 @@ TEST_P(EitherFusion, ANewerRevisionReplacesTheAnswer) {
   FedFusion only_newer(config());
   fed.drive_to(3.0);
   only_newer.drive_to(3.0);
-  Answer older = answer(2.0, moved(true_T_map_odom(), 0.1) * fed.drive.pose(2.0));
-  Answer newer = answer(2.0, true_T_map_odom() * fed.drive.pose(2.0));
+  LocalizationResult older = answer(2.0, moved(true_T_map_odom(), 0.1) * fed.drive.pose(2.0));
+  LocalizationResult newer = answer(2.0, true_T_map_odom() * fed.drive.pose(2.0));
   newer.revision = Revision{1};
   EXPECT_TRUE(fed.fusion.add_answer(older).applied);
   EXPECT_TRUE(fed.fusion.add_answer(newer).applied);
@@ -236,7 +241,7 @@ TEST_P(EitherFusion, ResetForgetsTheOldSession) {
   fed.drive_to(3.01, /*with_odometry=*/false);
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
   fed.drive_to(4.0);
-  Answer current = answer(3.5, true_T_map_odom() * fed.drive.pose(3.5));
+  LocalizationResult current = answer(3.5, true_T_map_odom() * fed.drive.pose(3.5));
   current.session = SessionNumber{1};
   EXPECT_TRUE(fed.fusion.add_answer(current).applied);
 }
@@ -301,21 +306,21 @@ TEST(PoseFusion, RefusesAnUnknownFormulation) {
   EXPECT_THROW(read_pose_fusion_config(reader.section("fusion")), ConfigError);
 }
 
-TEST(PoseFusion, IsTheSingleFilterInPaperMode) {
+TEST(PoseFusion, IsTheCoupledFilterInPaperMode) {
   auto reader = ConfigReader::from_string(default_config("everything"));
   reader.overlay(ConfigReader::from_file(FLEETLOC_SOURCE_DIR "/deploy/config/paper.yaml"));
   EXPECT_EQ(read_pose_fusion_config(reader.section("fusion")).formulation,
-            PoseFusion::Formulation::kSingleFilter);
+            PoseFusion::Formulation::kCoupled);
   EXPECT_TRUE(reader.section("submap").get<bool>("paper_mode"));
 }
 
 constexpr auto kFormulation = [](const auto& tested) {
-  return tested.param == PoseFusion::Formulation::kTwoBlocks ? "TwoBlocks" : "SingleFilter";
+  return tested.param == PoseFusion::Formulation::kDecoupled ? "Decoupled" : "Coupled";
 };
 INSTANTIATE_TEST_SUITE_P(Fusion,
                          EitherFusion,
-                         testing::Values(PoseFusion::Formulation::kTwoBlocks,
-                                         PoseFusion::Formulation::kSingleFilter),
+                         testing::Values(PoseFusion::Formulation::kDecoupled,
+                                         PoseFusion::Formulation::kCoupled),
                          kFormulation);
 
 }  // namespace

@@ -15,9 +15,9 @@ namespace {
 using enum LocalizationStatus;
 
 // Adds keyframes [first, end) and localizes after each of the last `count`.
-Answer run(
+LocalizationResult run(
     SessionLocalizer& localizer, const SimulatedSession& robot, int first, int end, int count) {
-  Answer answer;
+  LocalizationResult answer;
   for (int i = first; i < end; ++i) {
     localizer.add(robot.submap(i));
     if (i >= end - count) answer = localizer.localize();
@@ -38,7 +38,7 @@ TEST(SessionLocalizer, FindsARoughlyKnownStartInARoomHonestlyForEverySeed) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedSession robot({.seed = seed});
     SessionLocalizer localizer = localizer_for(robot);
-    const Answer answer = run(localizer, robot, 0, kKeyframes, 3);
+    const LocalizationResult answer = run(localizer, robot, 0, kKeyframes, 3);
     ASSERT_EQ(name(answer.status), name(kLocalized)) << "seed " << seed;
     const Pose truth = robot.truth(kKeyframes - 1);
     positions.push_back(position_error(answer, truth));
@@ -74,7 +74,7 @@ TEST(SessionLocalizer, StaysOnTheMapWhileItsWindowMovesOn) {
   for (int i = 0; i < kKeyframes; ++i) {
     localizer.add(robot.submap(i));
     if (i < 10 || i % 5 != 0) continue;
-    const Answer answer = localizer.localize();
+    const LocalizationResult answer = localizer.localize();
     ASSERT_EQ(name(answer.status), name(kLocalized)) << "keyframe " << i;
     EXPECT_EQ(answer.keyframe, KeyframeId{static_cast<std::uint32_t>(i)});
     EXPECT_EQ(answer.stamp, robot.run().frame_stamp(i));
@@ -93,7 +93,7 @@ TEST(SessionLocalizer, StaysOnTheMapWhileItsWindowMovesOn) {
 TEST(SessionLocalizer, StartsFromTheRobotsLandmarksAsWell) {
   const SimulatedSession robot({.seed = 4, .send_landmarks = true});
   SessionLocalizer localizer = localizer_for(robot);
-  const Answer answer = run(localizer, robot, 0, 10, 2);
+  const LocalizationResult answer = run(localizer, robot, 0, 10, 2);
   ASSERT_EQ(name(answer.status), name(kLocalized));
   EXPECT_LT(position_error(answer, robot.truth(9)), 0.1);
 }
@@ -103,7 +103,7 @@ TEST(SessionLocalizer, LocalizesWithAThirdOfTheLandmarksOffTheMap) {
     const SimulatedSession robot(
         {.seed = seed, .features_per_keyframe = 120, .off_map_share = 0.33});
     SessionLocalizer localizer = localizer_for(robot);
-    const Answer answer = run(localizer, robot, 0, 12, 2);
+    const LocalizationResult answer = run(localizer, robot, 0, 12, 2);
     ASSERT_EQ(name(answer.status), name(kLocalized)) << "seed " << seed;
     EXPECT_LT(position_error(answer, robot.truth(11)), 0.15) << "seed " << seed;
     EXPECT_LT(nees(answer, robot.truth(11)) / 6.0, 4.0) << "seed " << seed;
@@ -127,7 +127,7 @@ TEST(SessionLocalizer, RejectsAStartThatIsWrongByMetresAndSaysWhy) {
     for (int i = 0; i < 10; ++i) {
       localizer.add(robot.submap(i));
       if (i < 7) continue;
-      const Answer answer = localizer.localize();
+      const LocalizationResult answer = localizer.localize();
       EXPECT_NE(name(answer.status), name(kLocalized))
           << "seed " << seed << ", error " << position_error(answer, robot.truth(i));
       reasons.insert(name(answer.status));
@@ -158,7 +158,7 @@ TEST(SessionLocalizer, LeavesItsSolutionAloneWhenItRejects) {
   right.keyframes[0].revision = Revision{1};
   right.edges[0].revision = Revision{1};
   localizer.add(right);
-  const Answer answer = localizer.localize();
+  const LocalizationResult answer = localizer.localize();
   ASSERT_EQ(name(answer.status), name(kLocalized));
   EXPECT_EQ(answer.revision, Revision{1});
   EXPECT_LT(position_error(answer, robot.truth(10)), 0.1);
@@ -167,10 +167,10 @@ TEST(SessionLocalizer, LeavesItsSolutionAloneWhenItRejects) {
 TEST(SessionLocalizer, IsNotLockedOutByItsOwnReach) {
   const SimulatedSession robot({.seed = 5, .start_offset_m = 0.0, .start_yaw_rad = 0.0});
   SessionLocalizer::Config config = localizer_config();
-  config.acceptance.reach_deviations = 1.0;
-  config.acceptance.reach_floor_m = 1e-6;
-  config.acceptance.reach_floor_rad = 1e-6;
-  config.acceptance.reach_growth = 0.5;
+  config.acceptance.innovation_gate_sigmas = 1.0;
+  config.acceptance.innovation_floor_m = 1e-6;
+  config.acceptance.innovation_floor_rad = 1e-6;
+  config.acceptance.innovation_gate_growth = 0.5;
   SessionLocalizer localizer(robot.session(), room_map(), config);
   int first = 0;
   int refused = 0;
@@ -178,7 +178,7 @@ TEST(SessionLocalizer, IsNotLockedOutByItsOwnReach) {
   for (int i = 0; i < 40; ++i) {
     localizer.add(robot.submap(i));
     if (i < 7) continue;
-    const Answer answer = localizer.localize();
+    const LocalizationResult answer = localizer.localize();
     const bool is_localized = answer.status == kLocalized;
     if (first > 0 && !is_localized) {
       EXPECT_EQ(name(answer.status), name(kNotConverged)) << "keyframe " << i;
@@ -203,8 +203,8 @@ TEST(SessionLocalizer, BeginsWhereTheStartPoseWasKnownWhereverOdomBegan) {
   for (int i = 0; i < 8; ++i) {
     of_near.add(near.submap(i));
     of_far.add(far.submap(i));
-    const Answer expected = of_near.localize();
-    const Answer answer = of_far.localize();
+    const LocalizationResult expected = of_near.localize();
+    const LocalizationResult answer = of_far.localize();
     EXPECT_EQ(name(answer.status), name(expected.status)) << i;
     EXPECT_LT(local_coordinates(answer.T_map_body, expected.T_map_body).norm(), 1e-6) << i;
     EXPECT_TRUE(answer.covariance.isApprox(expected.covariance, 1e-4)) << i;
@@ -237,8 +237,8 @@ TEST(SessionLocalizer, AnswersTheSameBitByBitToTheSameSubmaps) {
   for (int i = 0; i < 12; ++i) {
     first.add(robot.submap(i));
     second.add(robot.submap(i));
-    const Answer a = first.localize();
-    const Answer b = second.localize();
+    const LocalizationResult a = first.localize();
+    const LocalizationResult b = second.localize();
     EXPECT_EQ(a.status, b.status);
     EXPECT_EQ(a.T_map_body.p, b.T_map_body.p);
     EXPECT_EQ(a.T_map_body.R.coeffs(), b.T_map_body.R.coeffs());
@@ -262,7 +262,7 @@ TEST(SessionLocalizer, HoldsACorridorsDirectionByOdometryAndSaysSo) {
   for (int i = 0; i < 60; ++i) {
     localizer.add(robot.submap(i));
     if (i < 10 || i % 3 != 0) continue;
-    const Answer answer = localizer.localize();
+    const LocalizationResult answer = localizer.localize();
     ASSERT_EQ(name(answer.status), name(kLocalized)) << "keyframe " << i;
     EXPECT_EQ(localizer.diagnostics().weak_directions, 1) << "keyframe " << i;
 

@@ -97,10 +97,10 @@ RobotSession SimulatedSession::session() const {
   session.stereo = run_.stereo();
   const Pose T_odom_begin = moved(config_.begin_odom);
   const Matrix6d A = adjoint(T_odom_begin);
-  session.start =
-      StartPose{.T_map_odom = T_map_odom_ * T_odom_begin * offset * moved(-config_.begin_odom),
-                .covariance = A * start_covariance() * A.transpose(),
-                .p_odom = config_.begin_odom};
+  session.start = MapOdomEstimate{
+      .T_map_odom = T_map_odom_ * T_odom_begin * offset * moved(-config_.begin_odom),
+      .covariance = A * start_covariance() * A.transpose(),
+      .p_odom = config_.begin_odom};
   return session;
 }
 
@@ -174,16 +174,16 @@ Submap SimulatedSession::submap(int keyframe) const {
   return submap;
 }
 
-double nees(const Answer& answer, const Pose& truth) {
+double nees(const LocalizationResult& answer, const Pose& truth) {
   const Vector6d error = local_coordinates(answer.T_map_body, truth);
   return error.dot(answer.covariance.ldlt().solve(error));
 }
 
-double position_error(const Answer& answer, const Pose& truth) {
+double position_error(const LocalizationResult& answer, const Pose& truth) {
   return (answer.T_map_body.p - truth.p).norm();
 }
 
-double rotation_error(const Answer& answer, const Pose& truth) {
+double rotation_error(const LocalizationResult& answer, const Pose& truth) {
   return log_so3(answer.T_map_body.R.conjugate() * truth.R).norm();
 }
 

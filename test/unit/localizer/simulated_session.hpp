@@ -69,8 +69,8 @@ class SimulatedSession {
 };
 
 /// Squared error of an answer against the truth by its covariance; 6 on average if that is honest.
-double nees(const Answer& answer, const Pose& truth);
-double position_error(const Answer& answer, const Pose& truth);  ///< [m]
-double rotation_error(const Answer& answer, const Pose& truth);  ///< [rad]
+double nees(const LocalizationResult& answer, const Pose& truth);
+double position_error(const LocalizationResult& answer, const Pose& truth);  ///< [m]
+double rotation_error(const LocalizationResult& answer, const Pose& truth);  ///< [rad]
 
 }  // namespace fleetloc

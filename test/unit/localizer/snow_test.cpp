@@ -75,11 +75,11 @@ TEST(Snow, CountsWhatWouldBeUnderTheGroundButNotWhatIsAboveIt) {
   const auto landmarks = landmarks_of(0.3);
   const Association right = associate(landmarks, map, gate_m, config.association);
   EXPECT_NEAR(right.level, 30, 3);
-  EXPECT_EQ(right.buried, 0);
+  EXPECT_EQ(right.below_ground, 0);
   const Eigen::Vector3d down = -kSnow * Eigen::Vector3d::UnitZ();
   const Association wrong = associate(moved(landmarks, down), map, gate_m, config.association);
   EXPECT_NEAR(wrong.level, 70, 3);
-  EXPECT_NEAR(wrong.buried, 30, 3);
+  EXPECT_NEAR(wrong.below_ground, 30, 3);
 }
 
 TEST(Snow, DoesNotPullAStartUnderTheGround) {

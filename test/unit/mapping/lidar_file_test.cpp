@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "shared/geometry/so3.hpp"
 #include "shared/dataset/sensor_file.hpp"
+#include "shared/geometry/so3.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {

@@ -33,10 +33,10 @@ TEST(MappingConfig, RefusesWhatMakesNoSenseByItsName) {
                 ThrowsMessage<ConfigError>(HasSubstr(key)))
         << yaml;
   };
-  expect_refused("mapping: {most_voxels: 10}", "user.yaml:1: mapping.most_voxels");
-  expect_refused("mapping: {most_range_m: 0.5}", "mapping.most_range_m");
+  expect_refused("mapping: {max_voxels: 10}", "user.yaml:1: mapping.max_voxels");
+  expect_refused("mapping: {max_range_m: 0.5}", "mapping.max_range_m");
   expect_refused("mapping: {evidence: {cell_m: 0}}", "mapping.evidence.cell_m");
-  expect_refused("mapping: {evidence: {least_agreement: 1.5}}", "mapping.evidence.least_agreement");
+  expect_refused("mapping: {evidence: {min_agreement: 1.5}}", "mapping.evidence.min_agreement");
   expect_refused("mapping: {evidence: {scan_stride: often}}", "mapping.evidence.scan_stride");
 }
 

@@ -70,8 +70,8 @@ class MergeSessions : public ::testing::Test {
   /// Without any evidence: what is measured at all.
   static MergedSessions unfiltered(const std::vector<std::string>& names) {
     MappingConfig config = default_mapping_config();
-    config.evidence.least_agreement = 0.0;
-    config.evidence.least_hit_share = 0.0;
+    config.evidence.min_agreement = 0.0;
+    config.evidence.min_hit_share = 0.0;
     return merged(names, config);
   }
 };
@@ -141,8 +141,8 @@ TEST_F(MergeSessions, AccountsForEveryPoint) {
 
 TEST_F(MergeSessions, LeavesOutPointsThatAreTooNearOrTooFar) {
   MappingConfig config = default_mapping_config();
-  config.least_range_m = 6.0;
-  config.most_range_m = 9.0;
+  config.min_range_m = 6.0;
+  config.max_range_m = 9.0;
   const MergedSessions result = merged({"empty"}, config);
   const SessionCounts& counts = result.report.sessions.front();
   EXPECT_GT(counts.too_near, 1000U);
@@ -181,7 +181,7 @@ TEST_F(MergeSessions, IsTheSameWhenDoneTwice) {
 
 TEST_F(MergeSessions, DoublesItsVoxelsWhereThereAreTooMany) {
   MappingConfig config = default_mapping_config();
-  config.most_voxels = 10000;
+  config.max_voxels = 10000;
   const MergedSessions result = merged({"empty"}, config);
   EXPECT_GT(result.report.voxel_m, config.voxel_m);
   EXPECT_LE(result.report.merged, 10000U);

@@ -108,7 +108,7 @@ TEST_F(RayEvidenceTest, KeepsWhatIsHitAsOftenAsItIsLookedThrough) {
 }
 
 TEST_F(RayEvidenceTest, AsksForSoManySessions) {
-  config_.least_sessions = 2;
+  config_.min_sessions = 2;
   look(5, 5.0);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kUnconfirmed);

@@ -68,9 +68,9 @@ inline LidarConfig survey_lidar() {
   config.lowest_rad = -15.0 * kDeg;
   config.highest_rad = 15.0 * kDeg;
   config.range_sigma_m = 0.02;
-  config.least_m = 0.5;
-  config.most_m = 100.0;
-  config.most_incidence_rad = 86.0 * kDeg;
+  config.min_m = 0.5;
+  config.max_m = 100.0;
+  config.max_incidence_rad = 86.0 * kDeg;
   return config;
 }
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/model/answer.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
 
 namespace fleetloc {

@@ -71,15 +71,16 @@ TEST(Continuation, TakesTheUncertaintyOver) {
 TEST(Continuation, CarriesTheMapPoseWithItsCovariance) {
   const PoseEstimate before = dead_reckoned();
   const Pose T_odom_body{exp_so3({0.1, -0.2, 1.5}), {3.1, -2.0, 1.0}};
-  const StartPose carried = continued_alignment(before, T_odom_body);
+  const MapOdomEstimate carried = continued_alignment(before, T_odom_body);
   EXPECT_LT(local_coordinates(carried.T_map_odom * T_odom_body, *before.T_map_body).norm(), 1e-9);
   const Matrix6d A = adjoint(inverse(T_odom_body));
   EXPECT_TRUE((A * carried.covariance * A.transpose()).isApprox(before.covariance_map, 1e-9));
 }
 
 TEST(Continuation, GrowsAStartPoseThatNoAnswerHasConfirmed) {
-  const StartPose start{{exp_so3({0.0, 0.0, 0.3}), {1.0, 2.0, 3.0}}, 0.01 * Matrix6d::Identity()};
-  const StartPose grown = continued_start(start, dead_reckoned());
+  const MapOdomEstimate start{{exp_so3({0.0, 0.0, 0.3}), {1.0, 2.0, 3.0}},
+                              0.01 * Matrix6d::Identity()};
+  const MapOdomEstimate grown = continued_start(start, dead_reckoned());
   EXPECT_LT(local_coordinates(grown.T_map_odom, start.T_map_odom).norm(), 1e-12);
   const Matrix6d added = grown.covariance - start.covariance;
   const Matrix6d A = adjoint(inverse(dead_reckoned().T_odom_body));

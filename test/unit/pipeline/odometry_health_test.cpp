@@ -9,7 +9,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr OdometryHealth::Config kConfig{.max_blind_s = 3.0,
+constexpr OdometryHealth::Config kConfig{.max_vision_lost_s = 3.0,
                                          .max_velocity_sigma = 0.5,
                                          .max_speed = 20.0,
                                          .max_gyroscope_bias = 0.3,
@@ -27,12 +27,12 @@ WindowEstimate healthy_window() {
   return window;
 }
 
-FrameEstimator::Result frame(double seconds, bool sighted) {
+FrameEstimator::Result frame(double seconds, bool vision_updated) {
   FrameEstimator::Result result;
   result.estimate.stamp = at(seconds);
   result.estimate.covariance.setIdentity();
   result.estimate.covariance *= 1e-4;
-  result.sighted = sighted;
+  result.vision_updated = vision_updated;
   return result;
 }
 
@@ -46,12 +46,12 @@ TEST(OdometryHealth, BridgesBlindFramesForALimitedTime) {
   OdometryHealth health(kConfig);
   health.check(healthy_window());
   EXPECT_EQ(health.check(frame(3.9, false)), std::nullopt);
-  EXPECT_EQ(health.check(frame(4.1, false)), ResetCause::kBlind);
+  EXPECT_EQ(health.check(frame(4.1, false)), ResetCause::kVisionLost);
   health.reset();  // and starts again
   EXPECT_EQ(health.check(healthy_window()), std::nullopt);
   EXPECT_EQ(health.check(frame(3.9, true)), std::nullopt);
   EXPECT_EQ(health.check(frame(6.8, false)), std::nullopt);
-  EXPECT_EQ(health.check(frame(7.0, false)), ResetCause::kBlind);
+  EXPECT_EQ(health.check(frame(7.0, false)), ResetCause::kVisionLost);
 }
 
 TEST(OdometryHealth, DistrustsAWindowThatDidNotConvergeOrHasImplausibleBiases) {

@@ -28,7 +28,7 @@ class TruthfulLocalizer final : public MapLocalizer {
     const auto& newest = submap.keyframes.back();
     if (submaps_of_session.back()++ == 0) first_keyframes.back() = submap.keyframes.front().id;
     if (!answering) return;
-    Answer answer;
+    LocalizationResult answer;
     answer.robot = sessions.back().robot;
     answer.session = sessions.back().session;
     answer.localizer = "truthful";
@@ -39,23 +39,23 @@ class TruthfulLocalizer final : public MapLocalizer {
     answer.covariance.diagonal() << 1e-5, 1e-5, 1e-5, 4e-4, 4e-4, 4e-4;
     answers_.push_back(answer);
   }
-  [[nodiscard]] std::vector<Answer> take_answers(Timestamp /*now*/) override {
+  [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp /*now*/) override {
     return std::exchange(answers_, {});
   }
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
   void note_applied() override { ++applied; }
-  void update_start(const StartPose& start) override { updated_start = start; }
+  void update_start(const MapOdomEstimate& start) override { updated_start = start; }
 
   bool answering = true;
   std::vector<RobotSession> sessions;
   std::vector<int> submaps_of_session;
   std::vector<KeyframeId> first_keyframes;
-  std::optional<StartPose> updated_start;
+  std::optional<MapOdomEstimate> updated_start;
   int applied = 0;
 
  private:
   const SimulatedRun& run_;
-  std::vector<Answer> answers_;
+  std::vector<LocalizationResult> answers_;
 };
 
 double second_of(Timestamp stamp) {
@@ -77,19 +77,21 @@ class RobotReset : public testing::Test {
                   back_end_,
                   &localizer_) {}
 
-  /// Plays everything up to `seconds`, IMU and frames as `spoil_imu_` and `spoil_` leave them.
+  /// Plays everything up to `seconds`, IMU and frames as `inject_imu_fault_` and `inject_fault_`
+  /// leave them.
   void play(double seconds) {
     const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
-      if (const auto pose = pipeline_.add_imu(spoil_imu_(sample))) pipeline_.poll(pose->stamp);
+      if (const auto pose = pipeline_.add_imu(inject_imu_fault_(sample)))
+        pipeline_.poll(pose->stamp);
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {
         TrackedFrame frame = run_.frame(next_frame_++);
-        spoil_(frame);
+        inject_fault_(frame);
         pipeline_.add_tracks(std::move(frame));
         ++handed_in_;
       }
       for (FrameOutput& frame : pipeline_.take_frames()) frames_.push_back(std::move(frame));
-      for (const AnswerOutput& answer : pipeline_.take_answers()) {
+      for (const LocalizationOutput& answer : pipeline_.take_answers()) {
         applied_ += answer.applied ? 1 : 0;
       }
     }
@@ -98,7 +100,7 @@ class RobotReset : public testing::Test {
 
   /// Without IMU in [from, to).
   void cut_imu(double from, double to) {
-    spoil_imu_ = [=](ImuSample sample) {
+    inject_imu_fault_ = [=](ImuSample sample) {
       const double t = second_of(sample.stamp);
       if (t >= from && t < to) {
         sample.specific_force.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -125,8 +127,10 @@ class RobotReset : public testing::Test {
         frames_, [&](const FrameOutput& frame) { return second_of(frame.stamp) >= seconds; });
   }
 
-  std::function<ImuSample(ImuSample)> spoil_imu_ = [](const ImuSample& sample) { return sample; };
-  std::function<void(TrackedFrame&)> spoil_ = [](TrackedFrame&) {};
+  std::function<ImuSample(ImuSample)> inject_imu_fault_ = [](const ImuSample& sample) {
+    return sample;
+  };
+  std::function<void(TrackedFrame&)> inject_fault_ = [](TrackedFrame&) {};
   const SimulatedRun run_{noisy_flight()};
   TruthfulLocalizer localizer_{run_};
   SimulatedBackEnd back_end_;
@@ -139,13 +143,13 @@ class RobotReset : public testing::Test {
 };
 
 TEST_F(RobotReset, IsNotNeededForTwoSecondsWithoutFeatures) {
-  spoil_ = [](TrackedFrame& frame) {
+  inject_fault_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 8.0) frame.observations.clear();
   };
   play(12.0);
   EXPECT_EQ(pipeline_.resets(), 0U);
-  EXPECT_EQ(pipeline_.faults().at("blind_frames"), 39U);
+  EXPECT_EQ(pipeline_.faults().at("vision_lost_frames"), 39U);
   EXPECT_GT(map_sigma(frame_at(7.9)), 2.0 * map_sigma(frame_at(5.9)));
   EXPECT_LT(map_error(frame_at(7.9)), 3.0 * map_sigma(frame_at(7.9)));
   EXPECT_EQ(frames_.back().pose.quality, Quality::kLocalized);
@@ -186,13 +190,13 @@ TEST_F(RobotReset, FollowsALongImuGapWithANewSessionThatStartsFromWhereTheRobotI
 }
 
 TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
-  spoil_ = [](TrackedFrame& frame) {
+  inject_fault_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 11.0) frame.observations.clear();
   };
   play(16.0);
   EXPECT_EQ(pipeline_.resets(), 1U);
-  EXPECT_EQ(pipeline_.faults().at("reset_blind"), 1U);
+  EXPECT_EQ(pipeline_.faults().at("reset_vision_lost"), 1U);
   EXPECT_EQ(frame_at(10.5).pose.quality, Quality::kLost);
   EXPECT_LT(map_error(frame_at(10.5)), 3.0 * map_sigma(frame_at(10.5)));
   EXPECT_EQ(frames_.back().pose.quality, Quality::kLocalized);
@@ -210,7 +214,7 @@ TEST_F(RobotReset, FollowsTooLongADarknessAndEndsWhenItDoes) {
 
 TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
   localizer_.answering = false;
-  spoil_ = [](TrackedFrame& frame) {
+  inject_fault_ = [](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t > 6.0 && t < 9.2) frame.observations.clear();
   };
@@ -225,20 +229,20 @@ TEST_F(RobotReset, KeepsTheStartPoseIfNoAnswerHasCome) {
 
 TEST_F(RobotReset, HasImagesThatShowAnotherMotionThanTheImuFeelsLeftOut) {
   TrackedFrame frozen;
-  spoil_ = [&frozen](TrackedFrame& frame) {
+  inject_fault_ = [&frozen](TrackedFrame& frame) {
     const double t = second_of(frame.stamp);
     if (t < 6.0) frozen = frame;
     if (t >= 6.0 && t < 8.0) frame.observations = frozen.observations;
   };
   play(12.0);
-  EXPECT_GT(pipeline_.faults().at("contradicted_frames"), 30U);
+  EXPECT_GT(pipeline_.faults().at("vision_inconsistent_frames"), 30U);
   EXPECT_LT(map_error(frames_.back()), 0.1);
   expect_never_confidently_wrong();
 }
 
 TEST_F(RobotReset, GivesOneOutputForEveryFrameHandedIn) {
   int count = 0;
-  spoil_ = [&count, this](TrackedFrame& frame) {
+  inject_fault_ = [&count, this](TrackedFrame& frame) {
     if (++count % 7 == 0) frame.stamp = run_.frame_stamp(next_frame_ - 2);  // doubled
     if (count % 11 == 0) frame.stamp -= std::chrono::seconds(1);
     if (count % 13 == 0) frame.stamp += std::chrono::hours(1);
@@ -256,7 +260,7 @@ TEST_F(RobotReset, GivesOneOutputForEveryFrameHandedIn) {
 
 TEST_F(RobotReset, TellsWhatAnotherLocalizerWouldBeginWithAsItIsNow) {
   const auto sigma_where_known = [this] {
-    const StartPose& start = *localizer_.updated_start;
+    const MapOdomEstimate& start = *localizer_.updated_start;
     const Matrix6d A = adjoint(inverse(frames_.back().pose.T_odom_body));
     EXPECT_LT((start.p_odom - frames_.back().pose.T_odom_body.p).norm(), 1.0);
     return std::sqrt((A * start.covariance * A.transpose()).bottomRightCorner<3, 3>().trace());

@@ -36,7 +36,7 @@ class SessionRegisterTest : public testing::Test {
     return sessions_.submap("robot", SessionNumber{number}, at(now_s));
   }
 
-  SessionRegister sessions_{{.settling_s = 5.0, .silence_s = 20.0, .most_robots = 3}};
+  SessionRegister sessions_{{.settling_s = 5.0, .silence_s = 20.0, .max_robots = 3}};
 };
 
 TEST_F(SessionRegisterTest, TakesTheFirstSessionOfARobot) {

@@ -22,10 +22,12 @@ Submap with_keyframe(std::uint32_t id) {
   return submap;
 }
 
-Answer answer_to(std::uint32_t keyframe, const SubmapReceiver& receiver, std::uint32_t epoch = 1) {
-  Answer answer;
+LocalizationResult answer_to(std::uint32_t keyframe,
+                             const SubmapReceiver& receiver,
+                             std::uint32_t incarnation = 1) {
+  LocalizationResult answer;
   answer.session = SessionNumber{1};
-  answer.epoch = Epoch{epoch};
+  answer.incarnation = Incarnation{incarnation};
   answer.keyframe = KeyframeId{keyframe};
   answer.acknowledgements = receiver.acknowledgements();
   return answer;
@@ -84,12 +86,12 @@ TEST(SubmapReceiver, CountsNothingAsLostBeforeItsFirstSample) {
 
 TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
   SubmapSender sender;
-  sender.restart(SessionNumber{1}, Epoch{1});
+  sender.restart(SessionNumber{1}, Incarnation{1});
   Submap submap = with_keyframe(1);
   sender.prepare(submap, at(0));
   sender.prepare(submap, at(1));
   EXPECT_EQ(submap.number, SampleNumber{1});
-  sender.restart(SessionNumber{2}, Epoch{1});
+  sender.restart(SessionNumber{2}, Incarnation{1});
   sender.prepare(submap, at(2));
   EXPECT_EQ(submap.number, SampleNumber{0});
   EXPECT_EQ(submap.session, SessionNumber{2});
@@ -98,7 +100,7 @@ TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
 TEST(SubmapSender, MeasuresRoundTripAndLoss) {
   SubmapSender sender;
   SubmapReceiver receiver;
-  sender.restart(SessionNumber{1}, Epoch{1});
+  sender.restart(SessionNumber{1}, Incarnation{1});
   for (std::uint32_t i = 0; i < 40; ++i) {
     Submap submap = with_keyframe(i);
     const int now = static_cast<int>(i) * 100;
@@ -112,10 +114,10 @@ TEST(SubmapSender, MeasuresRoundTripAndLoss) {
   EXPECT_NEAR(sender.loss(), 0.5, 0.03);
 }
 
-TEST(SubmapSender, ANewEpochVoidsTheAcknowledgements) {
+TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
   SubmapSender sender;
   SubmapReceiver receiver;
-  sender.restart(SessionNumber{1}, Epoch{1});
+  sender.restart(SessionNumber{1}, Incarnation{1});
   for (std::uint32_t i = 0; i < 10; ++i) {
     Submap submap = with_keyframe(i);
     sender.prepare(submap, at(0));
@@ -123,20 +125,20 @@ TEST(SubmapSender, ANewEpochVoidsTheAcknowledgements) {
   }
   sender.acknowledge(answer_to(9, receiver), at(1));
   EXPECT_GT(sender.loss(), 0.5);
-  sender.restart(SessionNumber{1}, Epoch{2});
+  sender.restart(SessionNumber{1}, Incarnation{2});
   EXPECT_EQ(sender.loss(), 0.0);
   sender.acknowledge(answer_to(9, receiver, 1), at(3));  // late, from before the restart
   EXPECT_EQ(sender.loss(), 0.0);
   Submap submap = with_keyframe(10);
   sender.prepare(submap, at(4));
-  EXPECT_EQ(submap.epoch, Epoch{2});
+  EXPECT_EQ(submap.incarnation, Incarnation{2});
   EXPECT_EQ(submap.number, SampleNumber{10});  // the session's
 }
 
 TEST(SubmapSender, KnowsWhatAwaitsAnAnswer) {
   SubmapSender sender;
   SubmapReceiver receiver;
-  sender.restart(SessionNumber{1}, Epoch{1});
+  sender.restart(SessionNumber{1}, Incarnation{1});
   for (std::uint32_t i = 0; i < 3; ++i) {
     Submap submap = with_keyframe(i);
     sender.prepare(submap, at(0));

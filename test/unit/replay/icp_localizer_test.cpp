@@ -41,7 +41,7 @@ class IcpLocalizerTest : public testing::Test {
     RobotSession session;
     session.robot = "robot";
     session.session = SessionNumber{4};
-    session.start = StartPose{.T_map_odom = T_map_odom};
+    session.start = MapOdomEstimate{.T_map_odom = T_map_odom};
     return session;
   }
 

@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr IcpConfig kConfig{.most_distance_m = 1.0, .iterations = 100, .settled_m = 1e-5};
+constexpr IcpConfig kConfig{.max_distance_m = 1.0, .iterations = 100, .settled_m = 1e-5};
 
 /// The floor and two walls of a room, a point every 0.1 m, with a corner 300 m from the origin.
 std::vector<Eigen::Vector3f> room() {

@@ -29,7 +29,7 @@ inline StereoCalibration campus_cameras() {
 inline StereoRenderer::Config camera_settings(int threads) {
   return {
       .threads = threads,
-      .exposure = {.target_gray = 105.0F, .lag_s = 0.4F, .least_gain = 20.0F, .most_gain = 4000.0F},
+      .exposure = {.target_gray = 105.0F, .lag_s = 0.4F, .min_gain = 20.0F, .max_gain = 4000.0F},
       .noise = {.read_gray = 0.8F, .shot_gray = 0.01F, .reference_gain = 250.0F},
       .corner_loss = 0.2F,
       .exposure_time_s = 0.004F,

@@ -46,9 +46,9 @@ LidarConfig config_of(double sigma_m, double dropout_share) {
   config.highest_rad = 15.0 * kDeg;
   config.range_sigma_m = sigma_m;
   config.dropout_share = dropout_share;
-  config.least_m = 0.5;
-  config.most_m = 100.0;
-  config.most_incidence_rad = 89.0 * kDeg;
+  config.min_m = 0.5;
+  config.max_m = 100.0;
+  config.max_incidence_rad = 89.0 * kDeg;
   return config;
 }
 
@@ -131,14 +131,14 @@ TEST(Lidar, RangeNoiseAndDropoutsAreAsConfigured) {
 
 TEST(Lidar, SeesNothingTooNearTooFarOrTooGrazing) {
   LidarConfig config = config_of(0.0, 0.0);
-  config.most_m = 12.0;
-  config.least_m = 10.5;
+  config.max_m = 12.0;
+  config.min_m = 10.5;
   for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kStart, 0).points) {
     EXPECT_LE(point.p_lidar.norm(), 12.0F);
     EXPECT_GE(point.p_lidar.norm(), 10.5F);
   }
   config = config_of(0.0, 0.0);
-  config.most_incidence_rad = 20.0 * kDeg;
+  config.max_incidence_rad = 20.0 * kDeg;
   config.calibration.T_body_lidar = {};
   for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kStart, 0).points) {
     EXPECT_GE(point.p_lidar.normalized().cwiseAbs().maxCoeff(), std::cos(20.1 * kDeg));

@@ -18,18 +18,18 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-const SessionScene& autumn() {
+const SeasonScene& autumn() {
   static const WorldConfig world = campus();
   static const Scene scene = build_scene(world.scene, eight(), 1);
-  static const SessionScene only = session_of(world, scene, "autumn");
+  static const SeasonScene only = session_of(world, scene, "autumn");
   return only;
 }
 
 /// What is seen, without what an exposure, noise and a lens add to it.
 StereoRenderer::Config plain_settings() {
   StereoRenderer::Config config = camera_settings(2);
-  config.exposure.least_gain = 250.0F;
-  config.exposure.most_gain = 250.0F;
+  config.exposure.min_gain = 250.0F;
+  config.exposure.max_gain = 250.0F;
   config.noise = {.read_gray = 0.0F, .shot_gray = 0.0F, .reference_gain = 250.0F};
   config.corner_loss = 0.0F;
   config.smooth_edges = false;
@@ -139,7 +139,7 @@ ConfigReader renderer_section(const char* overlay = "{}") {
 
 TEST(StereoRendererConfig, ReadsEachKeyIntoItsPlace) {
   auto reader = ConfigReader::from_string(
-      "renderer: {threads: 3, exposure: {target_gray: 90, lag_s: 0.1, least_gain: 2, most_gain: "
+      "renderer: {threads: 3, exposure: {target_gray: 90, lag_s: 0.1, min_gain: 2, max_gain: "
       "50},"
       " noise: {read_gray: 0.5, shot_gray: 0.25, reference_gain: 125}, corner_loss: 0.125,"
       " motion_blur: {exposure_time_s: 0.0625, samples: 5}, smooth_edges: false}",
@@ -149,8 +149,8 @@ TEST(StereoRendererConfig, ReadsEachKeyIntoItsPlace) {
   EXPECT_EQ(config.threads, 3);
   EXPECT_EQ(config.exposure.target_gray, 90.0F);
   EXPECT_EQ(config.exposure.lag_s, 0.1F);
-  EXPECT_EQ(config.exposure.least_gain, 2.0F);
-  EXPECT_EQ(config.exposure.most_gain, 50.0F);
+  EXPECT_EQ(config.exposure.min_gain, 2.0F);
+  EXPECT_EQ(config.exposure.max_gain, 50.0F);
   EXPECT_EQ(config.noise.read_gray, 0.5F);
   EXPECT_EQ(config.noise.shot_gray, 0.25F);
   EXPECT_EQ(config.noise.reference_gain, 125.0F);
@@ -173,7 +173,7 @@ TEST(StereoRendererConfig, RefusesWhatMakesNoSenseByItsName) {
         << yaml;
   };
   expect_refused("{threads: 0}", "user.yaml:1: sim.renderer.threads");
-  expect_refused("{exposure: {least_gain: 0}}", "sim.renderer.exposure.least_gain");
+  expect_refused("{exposure: {min_gain: 0}}", "sim.renderer.exposure.min_gain");
   expect_refused("{noise: {shot_gray: -1}}", "sim.renderer.noise.shot_gray");
   expect_refused("{corner_loss: 1.5}", "sim.renderer.corner_loss");
   expect_refused("{motion_blur: {samples: 0}}", "sim.renderer.motion_blur.samples");

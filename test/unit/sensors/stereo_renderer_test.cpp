@@ -27,11 +27,11 @@ class StereoRendererOnCampus : public testing::TestWithParam<const char*> {
     static const Scene only = build_scene(world().scene, eight(), 1);
     return only;
   }
-  static StereoFrame rendered(const SessionScene& session,
+  static StereoFrame rendered(const SeasonScene& season,
                               const Pose& T_map_body,
                               int threads,
                               std::uint64_t seed = 1) {
-    StereoRenderer renderer(campus_cameras(), session, camera_settings(threads), seed);
+    StereoRenderer renderer(campus_cameras(), season, camera_settings(threads), seed);
     return renderer.render({.stamp = {}, .time_s = 5.0, .frame = 3},
                            [&](double) { return T_map_body; });
   }
@@ -71,15 +71,15 @@ TEST(ViewRays, ShowAPointWhereTheCameraModelPutsIt) {
 }
 
 TEST_F(StereoRendererOnCampus, TheSameBytesWithAnyNumberOfThreads) {
-  const SessionScene session = session_of(world(), scene(), "winter");
+  const SeasonScene season = session_of(world(), scene(), "winter");
   const Pose T_map_body = T_map_body_on_eight(0.3);
-  const StereoFrame one = rendered(session, T_map_body, 1);
+  const StereoFrame one = rendered(season, T_map_body, 1);
   for (const int threads : {2, 3}) {
-    const StereoFrame other = rendered(session, T_map_body, threads);
+    const StereoFrame other = rendered(season, T_map_body, threads);
     EXPECT_TRUE(same_bytes(one.left, other.left));
     EXPECT_TRUE(same_bytes(one.right, other.right));
   }
-  EXPECT_FALSE(same_bytes(one.left, rendered(session, T_map_body, 2, 9).left));
+  EXPECT_FALSE(same_bytes(one.left, rendered(season, T_map_body, 2, 9).left));
   EXPECT_FALSE(same_bytes(one.left, one.right));
 }
 
@@ -103,28 +103,28 @@ PixelBlock::Packets block_at(const ViewRays& rays,
     packet.rays.direction_x[lane] = direction.x();
     packet.rays.direction_y[lane] = direction.y();
     packet.rays.direction_z[lane] = direction.z();
-    packet.rays.most_m[lane] = 500.0F;
+    packet.rays.max_m[lane] = 500.0F;
   }
   return packets;
 }
 
 TEST_F(StereoRendererOnCampus, ABlockShowsWhatEachOfItsRaysMeets) {
-  const SessionScene session = session_of(world(), scene(), "autumn");
-  const SceneView view = session.at(5.0);
-  const Light light = light_of(session);
+  const SeasonScene season = session_of(world(), scene(), "autumn");
+  const SceneView view = season.at(5.0);
+  const Light light = light_of(season);
   const ViewRays rays(campus_cameras().cam0);
   int pixels = 0;
-  int others = 0;  // that show another thing
+  int others = 0;  // that show another object
   int shadows = 0;
   for (const double share : {0.05, 0.3, 0.62}) {
     const Pose T_map_cam = T_map_body_on_eight(share) * campus_cameras().T_body_cam0;
     for (int v = 0; v < rays.height_px(); v += PixelBlock::kHeight) {
       for (int u = 0; u < rays.width_px(); u += PixelBlock::kWidth) {
         const PixelBlock::Packets packets = block_at(rays, T_map_cam, u, v);
-        const PixelBlock::Seen seen = see_block(view, light, packets);
+        const PixelBlock::Seen seen = shade_block(view, light, packets);
         for (std::size_t i = 0; i < packets.size(); ++i) {
           const HitPacket hits = view.caster.first_hits(packets[i].rays);
-          const SeenPacket alone = see(view, light, packets[i], hits);
+          const ShadedPacket alone = shade(view, light, packets[i], hits);
           const std::uint32_t sunlit_alone = sunlit(view, light, packets[i], hits);
           for (std::size_t lane = 0; lane < RayPacket::kSize; ++lane, ++pixels) {
             if (alone.key[lane] != seen.packets[i].key[lane]) ++others;
@@ -136,7 +136,7 @@ TEST_F(StereoRendererOnCampus, ABlockShowsWhatEachOfItsRaysMeets) {
     }
   }
   std::printf(
-      "of %d pixels, %d show another thing and %d another shadow\n", pixels, others, shadows);
+      "of %d pixels, %d show another object and %d another shadow\n", pixels, others, shadows);
   EXPECT_LT(others, pixels / 500);
   EXPECT_LT(shadows, pixels / 200);
 }
@@ -180,16 +180,16 @@ std::vector<double> flow_errors(const StereoFrame& first,
 }
 
 TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
-  const SessionScene session = session_of(world(), scene(), GetParam());
+  const SeasonScene season = session_of(world(), scene(), GetParam());
   const StereoCalibration cameras = campus_cameras();
   std::vector<double> errors;
   for (const double share : {0.05, 0.3, 0.62, 0.9}) {
     const Pose before = T_map_body_on_eight(share);
     const Pose after = T_map_body_on_eight(share + 0.0004, 0.01);
-    const StereoFrame first = rendered(session, before, 2);
-    const StereoFrame second = rendered(session, after, 2);
+    const StereoFrame first = rendered(season, before, 2);
+    const StereoFrame second = rendered(season, after, 2);
     const auto landmarks = seen_landmarks(
-        first.left, session.at(5.0).caster, cameras.cam0, before * cameras.T_body_cam0, 300);
+        first.left, season.at(5.0).caster, cameras.cam0, before * cameras.T_body_cam0, 300);
     EXPECT_GE(landmarks.size(), 150U);
     const Pose T_cam_map = inverse(after * cameras.T_body_cam0);
     const auto some = flow_errors(first, second, landmarks, cameras.cam0, T_cam_map);
@@ -205,19 +205,19 @@ TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
 INSTANTIATE_TEST_SUITE_P(InSession,
                          StereoRendererOnCampus,
                          testing::Values("summer", "winter"),
-                         [](const auto& session) { return std::string(session.param); });
+                         [](const auto& season) { return std::string(season.param); });
 
 TEST_F(StereoRendererOnCampus, HardSessionShowsMuchThatTheMapDoesNotHave) {
-  const SessionScene survey = session_of(world(), scene(), "summer");
+  const SeasonScene survey = session_of(world(), scene(), "summer");
   const StereoCalibration cameras = campus_cameras();
   const auto share_in = [&](const std::string& name) {
-    const SessionScene session = session_of(world(), scene(), name);
+    const SeasonScene season = session_of(world(), scene(), name);
     std::vector<SeenLandmark> all;
     for (int i = 0; i < 12; ++i) {
       const Pose T_map_body = T_map_body_on_eight(i / 12.0);
-      const StereoFrame frame = rendered(session, T_map_body, 2);
+      const StereoFrame frame = rendered(season, T_map_body, 2);
       const auto seen = seen_landmarks(
-          frame.left, session.at(5.0).caster, cameras.cam0, T_map_body * cameras.T_body_cam0, 300);
+          frame.left, season.at(5.0).caster, cameras.cam0, T_map_body * cameras.T_body_cam0, 300);
       all.insert(all.end(), seen.begin(), seen.end());
     }
     return unmapped_share(all, survey.fixed());
@@ -231,7 +231,7 @@ TEST_F(StereoRendererOnCampus, HardSessionShowsMuchThatTheMapDoesNotHave) {
 }
 
 TEST(Exposure, FollowsTheSceneWithALag) {
-  Exposure exposure({.target_gray = 100.0F, .lag_s = 0.5F, .least_gain = 10.0F, .most_gain = 1e4F});
+  Exposure exposure({.target_gray = 100.0F, .lag_s = 0.5F, .min_gain = 10.0F, .max_gain = 1e4F});
   EXPECT_FLOAT_EQ(exposure.next(0.0, 0.5F), 200.0F);
   const float soon = exposure.next(0.05, 0.05F);
   EXPECT_GT(soon, 200.0F);

@@ -198,7 +198,7 @@ TEST(TrackSimulator, RepeatsItselfForOneSeedOnly) {
 
 TEST(TrackModel, RefusesAShareBeyondOne) {
   const auto text = [](double share) {
-    return "{features: 150, least_distance_px: 15, border_px: 8, most_m: 60, pixel_sigma: 0.1, "
+    return "{features: 150, min_distance_px: 15, border_px: 8, max_m: 60, pixel_sigma: 0.1, "
            "drift_sigma: 0.03, disparity_sigma: 0.1, fleeting_share: 0.3, fleeting_end_rate: 0.3, "
            "lasting_end_rate: 0.02, outlier_rate: 0.002, slide_px: 1, stereo_share: " +
            std::to_string(share) + "}";

@@ -44,7 +44,7 @@ TEST_F(CornerDetectionTest, KeepsTheDistanceToOldAndNewFeatures) {
   auto all = present;
   for (const auto& corner : detect_corners(squares(752, 480), present, config_)) {
     for (const auto& other : all) {
-      EXPECT_GE(cv::norm(corner - other), config_.least_distance_px);
+      EXPECT_GE(cv::norm(corner - other), config_.min_distance_px);
     }
     all.push_back(corner);
   }

@@ -80,7 +80,7 @@ TEST(SlantedPatch, GivesUpAtTheBorderAndWithoutTexture) {
 
 TEST(SlantedPatch, DoesNotLeaveTheStartsNeighbourhood) {
   SlantedPatchConfig narrow = config();
-  narrow.most_px = 0.3;
+  narrow.max_px = 0.3;
   const SlantedLine line{.start = {kPoint.x + 0.6F, kPoint.y},
                          .direction = Eigen::Vector2f::UnitX(),
                          .slope_sigma = 0.3};

@@ -113,8 +113,8 @@ TEST_F(FrameEstimatorTest, CarriesOnInertiallyWithoutImagesAndMakesThemNoKeyfram
   const int frame = kNewest + 20;
   const auto blind = estimator.estimate({run_.frame_stamp(frame), {}}, imu_);
   ASSERT_TRUE(blind.has_value());
-  EXPECT_FALSE(blind->sighted);
-  EXPECT_FALSE(blind->contradicted);
+  EXPECT_FALSE(blind->vision_updated);
+  EXPECT_FALSE(blind->vision_inconsistent);
   EXPECT_FALSE(blind->wants_keyframe);
   const Eigen::Vector3d error =
       blind->estimate.state.T_odom_body.p - run_.truth(run_.frame_stamp(frame)).T_odom_body.p;
@@ -130,15 +130,15 @@ TEST_F(FrameEstimatorTest, TrustsNoImageOfLongAgo) {
   frozen.stamp = run_.frame_stamp(frame);
   const auto result = estimator.estimate(frozen, imu_);
   ASSERT_TRUE(result.has_value());
-  EXPECT_TRUE(result->contradicted);
-  EXPECT_FALSE(result->sighted);
+  EXPECT_TRUE(result->vision_inconsistent);
+  EXPECT_FALSE(result->vision_updated);
   EXPECT_FALSE(result->wants_keyframe);
   EXPECT_LT(
       (result->estimate.state.T_odom_body.p - run_.truth(run_.frame_stamp(frame)).T_odom_body.p)
           .norm(),
       0.05);
   const auto honest = estimator.estimate(run_.frame(frame), imu_);
-  EXPECT_TRUE(honest->sighted);
+  EXPECT_TRUE(honest->vision_updated);
   EXPECT_LT(honest->correction_chi_square, 25.0);
 }
 

@@ -38,7 +38,7 @@ TEST(CorrectionCodec, RoundTripPreservesEveryField) {
   EXPECT_EQ(received.robot, sent.robot);
   EXPECT_EQ(received.session, sent.session);
   EXPECT_EQ(received.localizer, sent.localizer);
-  EXPECT_EQ(received.epoch, sent.epoch);
+  EXPECT_EQ(received.incarnation, sent.incarnation);
   EXPECT_EQ(received.anchor, sent.anchor);
   ASSERT_EQ(received.relative_poses.size(), sent.relative_poses.size());
   for (std::size_t i = 0; i < sent.relative_poses.size(); ++i) {
@@ -70,8 +70,8 @@ TEST(CorrectionCodec, FitsOneDatagramWithTheMostInformativeLandmarks) {
   for (const std::uint32_t gap : {1U, 300U}) {
     const Correction sent = some_correction(100, gap);
     const Bytes bytes = encode(sent);
-    EXPECT_LE(bytes.size(), kMostCorrectionBytes);
-    EXPECT_GT(bytes.size(), kMostCorrectionBytes - 40);
+    EXPECT_LE(bytes.size(), kMaxCorrectionBytes);
+    EXPECT_GT(bytes.size(), kMaxCorrectionBytes - 40);
     const Correction received = std::get<Correction>(decode_correction(bytes));
     EXPECT_EQ(received.relative_poses.size(), 7U);
     EXPECT_GE(received.landmarks.size(), gap == 1U ? 40U : 30U);
@@ -85,11 +85,11 @@ TEST(CorrectionCodec, FitsOneDatagramWithTheMostInformativeLandmarks) {
   poses.robot = std::string(32, 'r');
   poses.localizer = std::string(32, 'l');
   poses.relative_poses.clear();
-  for (std::uint32_t i = 0; i < kMostCorrectedPoses; ++i) {
+  for (std::uint32_t i = 0; i < kMaxCorrectedPoses; ++i) {
     poses.relative_poses.push_back(
         {KeyframeId{i}, KeyframeId{i + 1}, some_pose(0.1), some_matrix()});
   }
-  EXPECT_LE(encode(poses).size(), kMostCorrectionBytes);
+  EXPECT_LE(encode(poses).size(), kMaxCorrectionBytes);
 }
 
 TEST(CorrectionCodec, RefusesWithAReason) {

@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
@@ -75,7 +75,7 @@ TEST(Fuzz, SessionsAreRefusedOrValid) {
 }
 
 TEST(Fuzz, AnswersAreRefusedOrValid) {
-  EXPECT_GT(fuzz(encode(some_answer()), decode_answer), 0);
+  EXPECT_GT(fuzz(encode(some_answer()), decode_localization_result), 0);
 }
 
 TEST(Fuzz, CorrectionsAreRefusedOrValid) {

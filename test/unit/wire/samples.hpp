@@ -9,9 +9,9 @@
 #include "shared/model/robot_status.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
-#include "shared/wire/answer_codec.hpp"
 #include "shared/wire/cdr.hpp"
 #include "shared/wire/correction_codec.hpp"
+#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 
 namespace fleetloc {
@@ -33,7 +33,7 @@ inline Matrix6d some_matrix() {
 inline Submap some_submap(int keyframes = 3, int observations = 5) {
   Submap submap{.robot = "robot_1",
                 .session = SessionNumber{2},
-                .epoch = Epoch{3},
+                .incarnation = Incarnation{3},
                 .number = SampleNumber{4'000'000'000},
                 .keyframes = {},
                 .edges = {},
@@ -75,21 +75,21 @@ inline RobotSession some_session() {
       .session = SessionNumber{4'294'967'295},
       .start_stamp = Timestamp{Duration{1'403'636'579'763'555'584}},
       .localizer = "cloud-with-a-name-of-32-characte",
-      .epoch = Epoch{4'000'000'000},
+      .incarnation = Incarnation{4'000'000'000},
       .encoding = SubmapEncoding::kFull,
       .stereo = {.focal_px = 458.654,
                  .center_px = {1024.0, 1024.0},
                  .baseline_m = 0.11,
                  .T_body_cam0 = some_pose(0.3)},
-      .start = StartPose{
+      .start = MapOdomEstimate{
           .T_map_odom = some_pose(4.0), .covariance = some_matrix(), .p_odom = {40.0, -50.0, 0.5}}};
 }
 
-inline Answer some_answer() {
+inline LocalizationResult some_answer() {
   return {.robot = "robot_1",
           .session = SessionNumber{2},
           .localizer = "cloud-a",
-          .epoch = Epoch{17},
+          .incarnation = Incarnation{17},
           .acknowledgements = {.base = SampleNumber{5}, .bitmap = 0xF0F0'F0F0'0000'0001},
           .status = LocalizationStatus::kLocalized,
           .keyframe = KeyframeId{100'000},
@@ -108,7 +108,7 @@ inline Correction some_correction(int landmarks = 20, std::uint32_t gap = 3) {
   correction.robot = "robot_1";
   correction.session = SessionNumber{2};
   correction.localizer = "cloud-a";
-  correction.epoch = Epoch{17};
+  correction.incarnation = Incarnation{17};
   correction.anchor = KeyframeId{100'000};
   for (std::uint32_t i = 0; i < 7; ++i) {
     correction.relative_poses.push_back({.from = KeyframeId{99'986 + 2 * i},
@@ -128,7 +128,7 @@ inline Correction some_correction(int landmarks = 20, std::uint32_t gap = 3) {
 
 inline LocalizerStatus some_localizer_status() {
   return {.localizer = "cloud-a",
-          .epoch = Epoch{17},
+          .incarnation = Incarnation{17},
           .map_hash = {9, 8, 7},
           .sessions = 31,
           .load = 0.25,

@@ -23,7 +23,7 @@ TEST(SessionCodec, RoundTripPreservesEveryField) {
   EXPECT_EQ(received.session, sent.session);
   EXPECT_EQ(received.start_stamp, sent.start_stamp);
   EXPECT_EQ(received.localizer, sent.localizer);
-  EXPECT_EQ(received.epoch, sent.epoch);
+  EXPECT_EQ(received.incarnation, sent.incarnation);
   EXPECT_EQ(received.encoding, sent.encoding);
   EXPECT_EQ(received.stereo.focal_px, sent.stereo.focal_px);
   EXPECT_EQ(received.stereo.center_px, sent.stereo.center_px);

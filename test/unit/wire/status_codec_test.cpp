@@ -13,7 +13,7 @@ TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
   const LocalizerStatus sent = some_localizer_status();
   const auto received = std::get<LocalizerStatus>(decode_localizer_status(encode(sent)));
   EXPECT_EQ(received.localizer, sent.localizer);
-  EXPECT_EQ(received.epoch, sent.epoch);
+  EXPECT_EQ(received.incarnation, sent.incarnation);
   EXPECT_EQ(received.map_hash, sent.map_hash);
   EXPECT_EQ(received.sessions, sent.sessions);
   EXPECT_EQ(received.load, sent.load);

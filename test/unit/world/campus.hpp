@@ -8,7 +8,7 @@
 
 #include "deploy/sim/world/scene.hpp"
 #include "deploy/sim/world/scene_config.hpp"
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "shared/geometry/pose.hpp"
 
 namespace fleetloc {
@@ -42,10 +42,10 @@ inline WorldConfig campus() {
                                                    "deploy/worlds/campus.yaml"));
 }
 
-inline SessionScene session_of(const WorldConfig& world,
-                               const Scene& scene,
-                               const std::string& name) {
-  return apply_session(scene, session_named(world, name), session_named(world, world.survey));
+inline SeasonScene session_of(const WorldConfig& world,
+                              const Scene& scene,
+                              const std::string& name) {
+  return apply_season(scene, season_named(world, name), season_named(world, world.survey));
 }
 
 }  // namespace fleetloc

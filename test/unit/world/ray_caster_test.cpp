@@ -52,8 +52,8 @@ RayPacket downward_rays() {
     rays.direction_x[i] = direction.x();
     rays.direction_y[i] = direction.y();
     rays.direction_z[i] = direction.z();
-    rays.least_m[i] = 0.0F;
-    rays.most_m[i] = i == 6 ? -1.0F : 100.0F;
+    rays.min_m[i] = 0.0F;
+    rays.max_m[i] = i == 6 ? -1.0F : 100.0F;
   }
   return rays;
 }
@@ -94,7 +94,7 @@ TEST(RayCaster, RaysThatMissTheTrianglesTheyAreExpectedOnAreTraced) {
   ASSERT_NE(hits.triangle.front(), upper[0]);
   const HitPacket again = caster.first_hits_on(upper, rays);
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
-    if (rays.most_m[i] < 0.0F) {
+    if (rays.max_m[i] < 0.0F) {
       EXPECT_EQ(again.distance_m[i], HitPacket::kNone);
       continue;
     }

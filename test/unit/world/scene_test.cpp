@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "deploy/sim/world/session_scene.hpp"
+#include "deploy/sim/world/season_scene.hpp"
 #include "test/unit/world/campus.hpp"
 
 namespace fleetloc {
@@ -23,17 +23,17 @@ class Campus : public testing::Test {
     delete scene_;
     delete world_;
   }
-  static std::vector<const Thing*> standing_things() {
-    std::vector<const Thing*> things;
+  static std::vector<const SceneObject*> static_objects() {
+    std::vector<const SceneObject*> objects;
     for (const auto* list : {&scene_->buildings, &scene_->furniture, &scene_->leaves}) {
-      for (const Thing& thing : *list) things.push_back(&thing);
+      for (const SceneObject& object : *list) objects.push_back(&object);
     }
     for (const auto* slots : {&scene_->cars, &scene_->structures}) {
       for (const Slot& slot : *slots) {
-        for (const Thing& thing : slot.variants) things.push_back(&thing);
+        for (const SceneObject& object : slot.variants) objects.push_back(&object);
       }
     }
-    return things;
+    return objects;
   }
   static WorldConfig* world_;
   static Scene* scene_;
@@ -44,13 +44,13 @@ Scene* Campus::scene_ = nullptr;
 TEST_F(Campus, NothingStandsNearARouteThatCrossesItself) {
   const float clearance = world_->scene.clearance_m;
   float nearest = 100.0F;
-  for (const Thing* thing : standing_things()) {
-    for (const auto& vertex : thing->mesh.vertices) {
+  for (const SceneObject* object : static_objects()) {
+    for (const auto& vertex : object->mesh.vertices) {
       nearest = std::min(nearest, scene_->route->distance(vertex.head<2>(), 20.0F));
     }
   }
   EXPECT_GE(nearest, clearance);
-  EXPECT_LE(nearest, clearance + 1.0F);  // but things do come near
+  EXPECT_LE(nearest, clearance + 1.0F);  // but objects do come near
 }
 
 TEST_F(Campus, TheGroundPassesBelowTheRoute) {
@@ -82,38 +82,38 @@ TEST_F(Campus, IsTheSameForOneSeedAndAnotherForAnother) {
 }
 
 TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
-  const SessionScene winter = session_of(*world_, *scene_, "winter");
+  const SeasonScene winter = session_of(*world_, *scene_, "winter");
   for (const auto* list : {&scene_->buildings, &scene_->furniture}) {
-    for (const Thing& thing : *list) {
-      const Eigen::Vector3f& vertex = thing.mesh.vertices[thing.mesh.vertices.size() / 2];
+    for (const SceneObject& object : *list) {
+      const Eigen::Vector3f& vertex = object.mesh.vertices[object.mesh.vertices.size() / 2];
       EXPECT_TRUE(winter.fixed().has_surface_within(vertex, 1e-3F));
     }
   }
 }
 
 TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
-  const SessionScene summer = session_of(*world_, *scene_, "summer");
-  const SessionScene winter = session_of(*world_, *scene_, "winter");
-  const auto missing = [](const std::vector<const Thing*>& things, const SessionScene& from) {
+  const SeasonScene summer = session_of(*world_, *scene_, "summer");
+  const SeasonScene winter = session_of(*world_, *scene_, "winter");
+  const auto missing = [](const std::vector<const SceneObject*>& objects, const SeasonScene& from) {
     int count = 0;
-    for (const Thing* thing : things) {
-      const Eigen::Vector3f& vertex = thing->mesh.vertices.front();
+    for (const SceneObject* object : objects) {
+      const Eigen::Vector3f& vertex = object->mesh.vertices.front();
       count += from.fixed().has_surface_within(vertex, 1e-3F) ? 0 : 1;
     }
     return count;
   };
-  std::vector<const Thing*> leaves;
-  for (const Thing& thing : scene_->leaves) leaves.push_back(&thing);
+  std::vector<const SceneObject*> leaves;
+  for (const SceneObject& object : scene_->leaves) leaves.push_back(&object);
   EXPECT_EQ(missing(leaves, summer), 0);
   EXPECT_GT(missing(leaves, winter), static_cast<int>(0.8 * static_cast<double>(leaves.size())));
-  std::vector<const Thing*> structures;
+  std::vector<const SceneObject*> structures;
   for (const Slot& slot : scene_->structures) structures.push_back(slot.variants.data());
   EXPECT_NE(missing(structures, summer), missing(structures, winter));
 }
 
 TEST_F(Campus, SnowLiesDeepBesideALaneThatIsCleared) {
   constexpr float kLane_m = 1.0F;
-  Thing snow = scene_->ground;
+  SceneObject snow = scene_->ground;
   cover_with_snow(snow, *scene_->route, 0.4F, 7);
   const auto& before = scene_->ground.mesh.vertices;
   const auto& after = snow.mesh.vertices;
@@ -141,7 +141,7 @@ TEST_F(Campus, SnowLiesDeepBesideALaneThatIsCleared) {
 }
 
 TEST_F(Campus, PeopleMoveWithTime) {
-  const SessionScene winter = session_of(*world_, *scene_, "winter");
+  const SeasonScene winter = session_of(*world_, *scene_, "winter");
   const SceneView now = winter.at(10.0);
   const SceneView same = winter.at(10.0);
   const SceneView later = winter.at(12.0);

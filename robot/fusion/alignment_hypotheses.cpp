@@ -1,0 +1,111 @@
+#include "robot/fusion/alignment_hypotheses.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace fleetloc {
+namespace {
+
+// Scattered wrong answers each found a hypothesis; more than these are not kept.
+constexpr std::size_t kMaxHypotheses = 4;
+
+}  // namespace
+
+void HypothesisSupport::add(const LocalizationMeasurement& answer, double window_s) {
+  const auto source =
+      std::find_if(sources_.begin(), sources_.end(), [&answer](const Source& candidate) {
+        return candidate.localizer == answer.localizer &&
+               candidate.incarnation == answer.incarnation;
+      });
+  if (source == sources_.end()) {
+    sources_.push_back({answer.localizer, answer.incarnation, answer.stamp});
+    ++independent_;
+  } else if (to_seconds(answer.stamp - source->counted) > window_s) {
+    source->counted = answer.stamp;
+    ++independent_;
+  }
+}
+
+AlignmentHypotheses::AlignmentHypotheses(const Config& config) : config_(config) {}
+
+void AlignmentHypotheses::drift(const Matrix6d& covariance) {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.covariance += covariance;
+  }
+}
+
+bool AlignmentHypotheses::agrees(const Hypothesis& hypothesis,
+                                 const LocalizationMeasurement& answer) const {
+  const Matrix6d& J = answer.J_alignment;
+  const Vector6d error =
+      local_coordinates(hypothesis.T_map_odom * answer.T_odom_body, answer.T_map_body);
+  const Matrix6d S = J * hypothesis.covariance * J.transpose() + answer.covariance;
+  return chi_square(error, S) <= config_.gate_chi_square;
+}
+
+bool AlignmentHypotheses::contradicts(const Hypothesis& hypothesis) const {
+  return hypothesis.agreeing >= config_.lost_after;
+}
+
+void AlignmentHypotheses::restart(const LocalizationMeasurement& answer) {
+  held_ = hypotheses_.empty() ? HypothesisSupport() : std::move(hypotheses_.back().support);
+  held_.add(answer, config_.window_s);
+  hypotheses_.clear();
+}
+
+void AlignmentHypotheses::support(const LocalizationMeasurement& applied) {
+  held_.add(applied, config_.window_s);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    ++hypothesis.applied_since;
+  }
+  std::erase_if(hypotheses_, [this](const Hypothesis& hypothesis) {
+    return hypothesis.applied_since >= config_.lost_after;
+  });
+}
+
+bool AlignmentHypotheses::add(const LocalizationMeasurement& rejected) {
+  const auto hypothesis =
+      std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& candidate) {
+        return agrees(candidate, rejected);
+      });
+  if (hypothesis == hypotheses_.end()) {
+    if (hypotheses_.size() == kMaxHypotheses) {
+      hypotheses_.erase(hypotheses_.begin());
+    }
+    hypotheses_.emplace_back();
+  } else {
+    std::rotate(hypothesis, hypothesis + 1, hypotheses_.end());
+  }
+  Hypothesis& chosen = hypotheses_.back();
+  chosen.T_map_odom = alignment_from(rejected);
+  chosen.covariance = alignment_covariance(rejected);
+  ++chosen.agreeing;
+  chosen.applied_since = 0;
+  chosen.support.add(rejected, config_.window_s);
+  return chosen.support.independent() >= std::min(config_.restart_after, held_.independent() + 1);
+}
+
+AlignmentHypotheses AlignmentHypotheses::without_alternatives() const {
+  AlignmentHypotheses result(config_);
+  result.held_ = held_;
+  return result;
+}
+
+bool AlignmentHypotheses::contradict() const {
+  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [this](const Hypothesis& hypothesis) {
+    return contradicts(hypothesis);
+  });
+}
+
+MapOdomEstimate AlignmentHypotheses::hedged(MapOdomEstimate held) const {
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (contradicts(hypothesis)) {
+      const Vector6d difference = local_coordinates(held.T_map_odom, hypothesis.T_map_odom);
+      held.covariance += difference * difference.transpose();
+    }
+  }
+  return held;
+}
+
+}  // namespace fleetloc

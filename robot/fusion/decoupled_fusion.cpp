@@ -1,0 +1,116 @@
+#include "robot/fusion/decoupled_fusion.hpp"
+
+#include <utility>
+#include <vector>
+
+namespace fleetloc {
+
+DecoupledFusion::DecoupledFusion(const ImuNoise& noise, const Config& config)
+    : config_(config),
+      frames_(noise, config),
+      oldest_(config.answers),
+      alignment_(config.answers) {}
+
+void DecoupledFusion::reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) {
+  frames_.reset(session);
+  interrupted_ = false;
+  oldest_ = carried ? alignment_.continued(*carried) : MapAlignment(config_.answers);
+  alignment_ = oldest_;
+}
+
+PoseEstimate DecoupledFusion::add_imu(const ImuSample& sample) {
+  frames_.add_imu(sample);
+  if (frames_.prediction()) {
+    return estimate(*frames_.prediction());
+  }
+  PoseEstimate nothing;
+  nothing.stamp = frames_.last_imu() ? frames_.last_imu()->stamp : sample.stamp;
+  return nothing;
+}
+
+PoseFusion::Verdict DecoupledFusion::add_odometry(const OdometryEstimate& estimate) {
+  if (const std::string_view reason = frames_.add_odometry(estimate); !reason.empty()) {
+    return {.applied = false, .reason = reason};
+  }
+  alignment_.drift(frames_.newest().drift);
+  forget_old_frames();
+  return {.applied = true, .reason = "applied"};
+}
+
+// What leaves the buffer has its final effect on the filter that replays start from.
+void DecoupledFusion::forget_old_frames() {
+  while (frames_.has_stale()) {
+    const DelayedFrames::Frame& frame = frames_.oldest();
+    oldest_.drift(frame.drift);
+    if (frame.answer) {
+      oldest_.apply(frame.answer->measurement);
+    }
+    frames_.forget_oldest();
+  }
+}
+
+PoseFusion::Verdict DecoupledFusion::add_answer(const LocalizationResult& answer) {
+  const auto taken = frames_.add_answer(answer);
+  if (const auto* reason = std::get_if<std::string_view>(&taken)) {
+    return {.applied = false, .reason = *reason};
+  }
+  const int revised = replay_answers();
+  const LocalizationOutcome outcome = *frames_[std::get<std::size_t>(taken)].answer->outcome;
+  return {.applied = is_applied(outcome), .reason = name(outcome), .revised = revised};
+}
+
+int DecoupledFusion::replay_answers() {
+  int revised = 0;
+  alignment_ = oldest_;
+  for (DelayedFrames::Frame& frame : frames_) {
+    alignment_.drift(frame.drift);
+    if (frame.answer) {
+      const LocalizationOutcome outcome = alignment_.apply(frame.answer->measurement);
+      const std::optional<LocalizationOutcome> before =
+          std::exchange(frame.answer->outcome, outcome);
+      revised += before && is_applied(*before) != is_applied(outcome) ? 1 : 0;
+    }
+  }
+  return revised;
+}
+
+std::optional<PoseEstimate> DecoupledFusion::estimate_at(Timestamp stamp) const {
+  const std::optional<std::size_t> index = frames_.index_at(stamp);
+  if (!index) {
+    return std::nullopt;
+  }
+  const OdometryEstimate& start = frames_[*index].odometry;
+  const std::vector<ImuSample> samples = frames_.imu().between(start.stamp, stamp);
+  if (samples.empty()) {
+    return std::nullopt;
+  }
+  return estimate(predict(start, samples, frames_.noise()));
+}
+
+PoseEstimate DecoupledFusion::estimate(const ImuPrediction& prediction) const {
+  PoseEstimate result = odom_estimate(prediction);
+  if (const std::optional<MapOdomEstimate> alignment = alignment_.pose()) {
+    result.T_map_body = alignment->T_map_odom * result.T_odom_body;
+    result.covariance_map = map_covariance(*alignment, prediction);
+  }
+  judge(result,
+        {.last_applied = alignment_.last_applied(),
+         .contradicted = alignment_.contradicted(),
+         .carried = interrupted_ || alignment_.is_continued(),
+         .newest_odometry = frames_.newest().odometry.stamp},
+        config_);
+  return result;
+}
+
+Matrix6d DecoupledFusion::map_covariance(const MapOdomEstimate& alignment,
+                                         const ImuPrediction& prediction) const {
+  const Matrix6d A = adjoint(inverse(prediction.state.T_odom_body));
+  return A * alignment.covariance * A.transpose() + clone_covariance(config_.answers.noise) +
+         pose_covariance_since_start(prediction);
+}
+
+std::optional<MapOdomEstimate> DecoupledFusion::start_pose() const {
+  return alignment_.start_pose();
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "shared/geometry/pose.hpp"
+#include "shared/model/session.hpp"
+
+namespace fleetloc {
+
+/// How well a start pose that a person gives is known, along the axes of the map.
+struct StartUncertainty {
+  double position_sigma_m;
+  double yaw_sigma_rad;
+  double tilt_sigma_rad;  ///< of roll and pitch
+  /// After a reset a less certain start is withheld from the localizer, which would settle in a
+  /// wrong place near by and be sure of it.
+  double max_carried_sigma_m;
+};
+
+/// T_map_odom of a robot at T_odom_body that is known to be at T_map_body.
+MapOdomEstimate map_odom_estimate_at(const Pose& T_map_body,
+                                     const Pose& T_odom_body,
+                                     const StartUncertainty& sigma);
+
+}  // namespace fleetloc

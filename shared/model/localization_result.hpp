@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "shared/core/ids.hpp"
+#include "shared/core/time.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// The result of one localization; all but kLocalized and kNeedFull name a rejection.
+enum class LocalizationStatus {
+  kLocalized,
+  kNeedFull,         ///< the localizer lost what earlier submaps told it
+  kNoStartPose,      ///< the session has none, and search without a prior does not exist yet
+  kTooFewKeyframes,  ///< connected to the newest one
+  kNoMapCoverage,    ///< too few landmarks have map surface near them
+  kTooFewMatches,    ///< too few matches survive the gate
+  kNotConverged,     ///< the optimization failed or moved further than the prior allows
+  kPoorFit,          ///< what matches, matches badly
+  kDegenerate,       ///< the map does not constrain the pose well enough to be sent
+  kUnconfirmed,      ///< most of what the robot sees is new; it must drive on to be found
+};
+
+/// As it stands in logs and summaries, e.g. "too_few_matches".
+std::string_view name(LocalizationStatus status);
+
+/// Which samples the cloud has stored: every number below base, and base + i for every bit i.
+struct Acknowledgements {
+  SampleNumber base{};
+  std::uint64_t bitmap = 0;
+};
+
+/// The cloud's answer to the submaps so far. Idempotent: a newer one supersedes it.
+struct LocalizationResult {
+  RobotId robot;
+  SessionNumber session{};
+  std::string localizer;
+  Incarnation incarnation{};
+  Acknowledgements acknowledgements;
+  LocalizationStatus status{};
+  KeyframeId keyframe{};
+  Revision revision{};  ///< of the keyframe that was localized
+  Timestamp stamp;      ///< of the keyframe
+  MapHash map_hash{};
+  Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows
+  Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_body
+  Pose T_map_odom;          ///< for display and for starting; the robot fuses T_map_body
+  Duration holding_time{};  ///< spent in the cloud
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,205 @@
+#include "shared/transport/workarounds/datagram_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+#include "shared/transport/workarounds/rtps_message.hpp"
+
+namespace fleetloc {
+namespace {
+
+using Bytes = RtpsBytes;
+using Fields = RtpsFields;
+
+constexpr std::array<std::uint8_t, 4> kMagic{'R', 'T', 'P', 'S'};
+constexpr std::uint8_t kMajorVersion = 2;
+constexpr std::uint32_t kMaxBitsOfASet = 256;
+constexpr std::int64_t kMaxNumbers = 1 << 20;  // of samples, said to be gone or to be there
+constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max();
+constexpr std::size_t kStatisticsBytes = 56;
+constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has
+
+bool has_bitmap(Fields& fields) {
+  const std::uint32_t bits = fields.u32();
+  if (bits > kMaxBitsOfASet) return false;
+  fields.skip(std::size_t{4} * ((bits + 31) / 32));
+  return fields.is_complete();
+}
+
+// Leaves what comes after the list.
+bool has_parameters(Fields& fields) {
+  constexpr std::uint16_t kSentinel = 1;
+  while (fields.is_complete()) {
+    const std::uint16_t id = fields.u16();
+    const std::uint16_t length = fields.u16();
+    if (id == kSentinel) return fields.is_complete();
+    if (length % 4 != 0) return false;
+    fields.skip(length);
+  }
+  return false;
+}
+
+// Discovery's own topics carry parameter lists; the vendor's and liveliness do not.
+bool is_parameter_list(std::uint32_t writer) {
+  constexpr std::array<std::uint32_t, 4> kDiscovery{0x0100c2, 0x0003c2, 0x0004c2, 0x0002c2};
+  return std::ranges::find(kDiscovery, writer) != kDiscovery.end();
+}
+
+bool is_payload(Bytes payload, std::uint32_t writer) {
+  if (!is_parameter_list(writer)) return true;
+  constexpr std::uint8_t kBigEndianList = 2;
+  constexpr std::uint8_t kLittleEndianList = 3;
+  if (payload.size() < 4 || payload[0] != 0) return false;
+  if (payload[1] != kBigEndianList && payload[1] != kLittleEndianList) return false;
+  Fields list(payload.subspan(4), payload[1] == kLittleEndianList);
+  return has_parameters(list);
+}
+
+// What comes before inline QoS and payload, behind the fields that are common to DATA and
+// DATA_FRAG, is `own` bytes long.
+struct SampleHead {
+  std::uint32_t writer = 0;
+  std::int64_t number = 0;
+  Bytes own;
+};
+std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
+  constexpr std::size_t kCommon = 16;  // reader, writer, sequence number: counted by the offset
+  fields.u16();                        // extra flags
+  const std::uint16_t offset = fields.u16();
+  if (offset < kCommon + own) return std::nullopt;
+  fields.u32();  // reader
+  SampleHead head;
+  head.writer = fields.entity();
+  head.number = fields.sequence_number();
+  head.own = fields.skip(own);
+  fields.skip(offset - kCommon - own);
+  if (!fields.is_complete() || head.number < 1) return std::nullopt;
+  return head;
+}
+
+bool is_data(Fields fields, std::uint8_t flags) {
+  const auto head = sample_head(fields, 0);
+  if (!head) return false;
+  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  if ((flags & kHasData) != 0 && (flags & kHasKey) != 0) return false;
+  return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer);
+}
+
+bool is_data_frag(Fields fields, std::uint8_t flags) {
+  constexpr std::size_t kFragmentFields = 12;
+  const auto head = sample_head(fields, kFragmentFields);
+  if (!head) return false;
+  Fields own(head->own, (flags & kLittleEndian) != 0);
+  const std::uint32_t first = own.u32();
+  const std::uint32_t count = own.u16();
+  const std::uint32_t size = own.u16();
+  const std::uint32_t sample = own.u32();
+  if (first == 0 || count == 0 || size == 0 || sample > kLargestSample) return false;
+  const std::uint32_t fragments = (sample + size - 1) / size;
+  if (first > fragments || count > fragments - first + 1) return false;
+  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  const std::size_t begin = std::size_t{first - 1} * size;
+  const std::size_t end = std::min<std::size_t>(begin + std::size_t{count} * size, sample);
+  return fields.rest().size() >= end - begin;
+}
+
+bool is_ack_nack(Fields fields) {
+  fields.skip(8);
+  const std::int64_t base = fields.sequence_number();  // 0: of a writer that is not known yet
+  const bool has_set = base >= 0 && has_bitmap(fields);
+  fields.u32();
+  return has_set && fields.is_complete();
+}
+
+// The library walks through all numbers of a gap or a heartbeat.
+bool is_range(std::int64_t first, std::int64_t end) {
+  return first >= 1 && end >= first && end - first <= kMaxNumbers;
+}
+
+bool is_heartbeat(Fields fields) {
+  fields.skip(8);  // reader, writer
+  const std::int64_t first = fields.sequence_number();
+  const std::int64_t last = fields.sequence_number();
+  fields.u32();  // count
+  return fields.is_complete() && last < kFarthest && is_range(first, last + 1);
+}
+
+bool is_gap(Fields fields) {
+  fields.skip(8);
+  const std::int64_t first = fields.sequence_number();
+  const std::int64_t base = fields.sequence_number();
+  return is_range(first, base) && has_bitmap(fields);
+}
+
+bool is_nack_frag(Fields fields) {
+  fields.skip(8);
+  const std::int64_t number = fields.sequence_number();
+  const std::uint32_t base = fields.u32();
+  const bool has_set = has_bitmap(fields);
+  fields.u32();
+  return number >= 1 && base >= 1 && has_set && fields.is_complete();
+}
+
+bool is_heartbeat_frag(Fields fields) {
+  fields.skip(8);
+  const std::int64_t number = fields.sequence_number();
+  const std::uint32_t last = fields.u32();
+  fields.u32();
+  return number >= 1 && last >= 1 && fields.is_complete();
+}
+
+bool is_statistics(std::uint8_t flags, std::size_t length) {
+  return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
+}
+
+bool is_valid(const RtpsSubmessage& submessage) {
+  const auto& [kind, flags, body] = submessage;
+  const Fields fields = submessage.fields();
+  switch (kind) {
+    case RtpsKind::kPad:
+      return true;
+    case RtpsKind::kAckNack:
+      return is_ack_nack(fields);
+    case RtpsKind::kHeartbeat:
+      return is_heartbeat(fields);
+    case RtpsKind::kGap:
+      return is_gap(fields);
+    case RtpsKind::kInfoTimestamp:
+      return (flags & kInlineQos) != 0 || body.size() >= 8;  // 2: no stamp
+    case RtpsKind::kInfoSource:
+      return body.size() >= kRtpsHeaderBytes;
+    case RtpsKind::kInfoDestination:
+      return body.size() >= 12;
+    case RtpsKind::kNackFrag:
+      return is_nack_frag(fields);
+    case RtpsKind::kHeartbeatFrag:
+      return is_heartbeat_frag(fields);
+    case RtpsKind::kData:
+      return is_data(fields, flags);
+    case RtpsKind::kDataFrag:
+      return is_data_frag(fields, flags);
+    case RtpsKind::kStatistics:
+      return is_statistics(flags, body.size());
+  }
+  return false;
+}
+
+}  // namespace
+
+bool is_well_formed_rtps(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < kRtpsHeaderBytes) return false;
+  if (!std::ranges::equal(datagram.first(4), kMagic)) return false;
+  if (datagram[4] != kMajorVersion) return false;
+  Bytes rest = datagram.subspan(kRtpsHeaderBytes);
+  while (!rest.empty()) {
+    const auto submessage = take_submessage(rest);
+    if (!submessage || !is_valid(*submessage)) return false;
+    if (submessage->kind == RtpsKind::kStatistics && !rest.empty()) return false;
+  }
+  return true;
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,108 @@
+#include "shared/transport/workarounds/peer_address_filter.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr GuidPrefix kLocalizer{1};
+constexpr GuidPrefix kOther{2};
+constexpr std::uint32_t kNear = 0x0a4d0002;    // 10.77.0.2
+constexpr std::uint32_t kFar = 0x0a4e0002;     // 10.78.0.2
+constexpr std::uint32_t kBridge = 0xac110001;  // 172.17.0.1
+constexpr std::uint32_t kPort = 7411;
+
+/// A localizer with three addresses.
+class PeerAddressFilterTest : public testing::Test {
+ protected:
+  PeerAddressFilterTest() {
+    for (const std::uint32_t address : {kNear, kFar, kBridge}) {
+      known_.announced(kLocalizer, {address, kPort}, now_);
+    }
+  }
+
+  [[nodiscard]] bool is_superfluous(std::uint32_t address) const {
+    return known_.is_superfluous({address, kPort}, destinations_, now_);
+  }
+
+  PeerAddressFilter known_;
+  std::vector<PeerAddressFilter::Place> destinations_{
+      {kNear, kPort}, {kFar, kPort}, {kBridge, kPort}};
+  PeerAddressFilter::Time now_{seconds(1000)};
+};
+
+TEST_F(PeerAddressFilterTest, AreAllOfUseUntilTheParticipantIsHeard) {
+  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_superfluous(address));
+  known_.heard(kLocalizer, kNear, now_);
+  EXPECT_FALSE(is_superfluous(kNear));
+  EXPECT_TRUE(is_superfluous(kFar));
+  EXPECT_TRUE(is_superfluous(kBridge));
+  EXPECT_FALSE(known_.is_superfluous({kFar, kPort + 2}, destinations_, now_))
+      << "somebody else's port";
+}
+
+TEST_F(PeerAddressFilterTest, AreAllOfUseAgainWhenItIsSilent) {
+  known_.heard(kLocalizer, kNear, now_);
+  now_ += seconds(10);
+  EXPECT_FALSE(is_superfluous(kFar));
+}
+
+TEST_F(PeerAddressFilterTest, FollowTheParticipantToAnotherOfItsNetworks) {
+  known_.heard(kLocalizer, kNear, now_);
+  now_ += seconds(1);
+  known_.heard(kLocalizer, kFar, now_);
+  EXPECT_TRUE(is_superfluous(kNear));
+  EXPECT_FALSE(is_superfluous(kFar));
+}
+
+TEST_F(PeerAddressFilterTest, AreAllOfUseWhereTheSourceIsTranslated) {
+  known_.heard(kLocalizer, 0xc0a80001, now_);
+  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_superfluous(address));
+}
+
+TEST_F(PeerAddressFilterTest, ThatTwoAnnounceAreOfUseUntilBothAreHeardElsewhere) {
+  known_.announced(kOther, {kBridge, kPort}, now_);  // each computer has such a bridge
+  known_.heard(kLocalizer, kNear, now_);
+  EXPECT_FALSE(is_superfluous(kBridge)) << "the other one has no other address";
+  EXPECT_TRUE(is_superfluous(kFar));
+  known_.announced(kOther, {kFar, kPort}, now_);
+  known_.heard(kOther, kFar, now_);
+  EXPECT_TRUE(is_superfluous(kBridge));
+  EXPECT_FALSE(is_superfluous(kFar));
+}
+
+// A discovery server is spoken to at the address that its name has.
+TEST_F(PeerAddressFilterTest, AreOfUseWhereADatagramGoesToNoOther) {
+  known_.heard(kLocalizer, kNear, now_);
+  destinations_ = {{kFar, kPort}};
+  EXPECT_FALSE(is_superfluous(kFar));
+  destinations_ = {{kFar, kPort}, {kNear, kPort + 2}};
+  EXPECT_FALSE(is_superfluous(kFar));
+}
+
+TEST_F(PeerAddressFilterTest, ForgetWhoIsGone) {
+  known_.announced(kOther, {kBridge, kPort}, now_);
+  now_ += seconds(90);
+  known_.heard(kLocalizer, kNear, now_);
+  EXPECT_TRUE(is_superfluous(kBridge));
+}
+
+TEST_F(PeerAddressFilterTest, AreBounded) {
+  for (std::uint32_t i = 0; i < 100'000; ++i) {
+    GuidPrefix prefix{};
+    prefix[0] = 9;
+    for (unsigned int byte = 0; byte < 4; ++byte) {
+      prefix[4 + byte] = static_cast<std::uint8_t>(i >> (8 * byte));
+    }
+    known_.announced(prefix, {i, kPort}, now_);
+    known_.heard(prefix, i, now_);
+    ASSERT_FALSE(known_.is_superfluous({i, kPort}, destinations_, now_));
+  }
+}
+
+}  // namespace
+}  // namespace fleetloc
