@@ -92,7 +92,7 @@ Association associate_by(const Nearest& nearest_to,
   Association result;
   const double spacing = map.info().resolution_m;
   for (const WindowLandmark& landmark : landmarks) {
-    const double own_sigma = greatest_sigma(landmark.covariance);
+    const double own_sigma = max_sigma(landmark.covariance);
     if (!(own_sigma <= config.max_landmark_sigma_m)) continue;
     ++result.eligible;
     const double search_radius_m =

@@ -164,8 +164,8 @@ double SessionLocalizer::gate_for(const PoseBelief& belief) const {
     distances.push_back((p_map - belief.T_map_body.p).norm());
   }
   const double turned = percentile(std::move(distances), 0.5).value_or(0.0) *
-                        greatest_sigma(belief.covariance.topLeftCorner<3, 3>());
-  const double shifted = greatest_sigma(belief.covariance.bottomRightCorner<3, 3>());
+                        max_sigma(belief.covariance.topLeftCorner<3, 3>());
+  const double shifted = max_sigma(belief.covariance.bottomRightCorner<3, 3>());
   const auto& rounds = config_.rounds;
   return std::clamp(rounds.gate_sigmas * std::hypot(turned, shifted),
                     rounds.tracking_gate_m,

@@ -22,7 +22,7 @@ namespace fleetloc {
 
 class SlotPool;
 
-/// E_loc over one window (paper, eq. 18): stereo reprojection, virtual odometry, map matches, the
+/// E_loc over one window (paper, eq. 16): stereo reprojection, virtual odometry, map matches, the
 /// tilt of the oldest keyframe and at most one pose prior, over poses and landmarks in `map`.
 ///
 /// The problem lives on between submaps: synchronize() takes out what left the window and puts in

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <iostream>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -13,6 +12,7 @@
 #include "deploy/evaluation/errors/eval_run.hpp"
 #include "deploy/evaluation/report/eval_report.hpp"
 #include "shared/config/program.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/pose_text.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
@@ -58,7 +58,6 @@ int print(const nlohmann::json& evaluation, bool json) {
 
 /// A start pose for a robot whose start is only roughly known: the truth, displaced in the map.
 int print_start_pose(const Trajectory& truth, const Options& options) {
-  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
   const Timestamp stamp{Duration{*options.pose_at_ns}};
   const auto nearest = std::ranges::min_element(
       truth, {}, [&](const StampedPose& pose) { return std::abs((pose.stamp - stamp).count()); });

@@ -8,7 +8,8 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "shared/geometry/covariance.hpp"
 
 namespace fleetloc {
 namespace {
@@ -22,12 +23,6 @@ bool is_finite(const OdometryEstimate& estimate) {
   return is_finite(state.T_odom_body) && state.v_odom.allFinite() &&
          state.bias.gyroscope.allFinite() && state.bias.accelerometer.allFinite() &&
          estimate.covariance.allFinite();
-}
-
-double largest_sigma(const Eigen::Matrix3d& covariance) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
 }
 
 }  // namespace
@@ -169,8 +164,8 @@ void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion
   const double odometry_age_s = to_seconds(estimate.stamp - standing.newest_odometry);
   const Matrix6d& covariance = estimate.covariance_map;
   if (standing.contradicted || odometry_age_s > config.odometry_timeout_s ||
-      largest_sigma(covariance.topLeftCorner<3, 3>()) > config.lost_beyond_rad ||
-      largest_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
+      max_sigma(covariance.topLeftCorner<3, 3>()) > config.lost_beyond_rad ||
+      max_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
     return;
   }
   const bool fresh =

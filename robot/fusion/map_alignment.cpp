@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "robot/fusion/map_tilt.hpp"
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
-namespace {
-
-constexpr double kRadians = std::numbers::pi / 180.0;
-
-}  // namespace
+namespace {}  // namespace
 
 std::string_view name(LocalizationOutcome outcome) {
   switch (outcome) {
@@ -194,10 +190,10 @@ MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   if (config.noise.white_share > 1.0) {
     throw ConfigError("fusion.answers.white_share: must be at most 1");
   }
-  config.noise.clone_rotation = kRadians * section.positive("clone_rotation_deg");
+  config.noise.clone_rotation = kRadPerDeg * section.positive("clone_rotation_deg");
   config.noise.clone_translation = section.positive("clone_translation_m");
   config.gate_chi_square = section.positive("gate_chi_square");
-  config.map_tilt = kRadians * section.positive("map_tilt_deg");
+  config.map_tilt = kRadPerDeg * section.positive("map_tilt_deg");
   config.tilt_gate_chi_square = section.positive("tilt_gate_chi_square");
   config.hypotheses.gate_chi_square = config.gate_chi_square;
   config.hypotheses.window_s = section.positive("window_s");

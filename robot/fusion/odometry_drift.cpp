@@ -1,10 +1,10 @@
 #include "robot/fusion/odometry_drift.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -67,12 +67,11 @@ DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
 }
 
 OdometryDrift::Config read_odometry_drift_config(ConfigReader section) {
-  constexpr double kRadians = std::numbers::pi / 180.0;
   OdometryDrift::Config config;
   config.translation = section.positive("translation_m_per_sqrt_m");
-  config.yaw = kRadians * section.positive("yaw_deg_per_sqrt_m");
-  config.yaw_by_rotation = kRadians * section.positive("yaw_deg_per_sqrt_rad");
-  config.tilt = kRadians * section.positive("tilt_deg_per_sqrt_m");
+  config.yaw = kRadPerDeg * section.positive("yaw_deg_per_sqrt_m");
+  config.yaw_by_rotation = kRadPerDeg * section.positive("yaw_deg_per_sqrt_rad");
+  config.tilt = kRadPerDeg * section.positive("tilt_deg_per_sqrt_m");
   config.covariance_share = section.positive("covariance_share");
   return config;
 }

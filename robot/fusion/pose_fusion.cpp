@@ -1,10 +1,10 @@
 #include "robot/fusion/pose_fusion.hpp"
 
-#include <numbers>
 #include <string>
 
 #include "robot/fusion/coupled_fusion.hpp"
 #include "robot/fusion/decoupled_fusion.hpp"
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
 namespace {
@@ -37,7 +37,7 @@ PoseFusion::Config read_pose_fusion_config(ConfigReader section) {
   config.localized_for_s = section.positive("localized_for_s");
   config.odometry_timeout_s = section.positive("odometry_timeout_s");
   config.lost_beyond_m = section.positive("lost_beyond_m");
-  config.lost_beyond_rad = section.positive("lost_beyond_deg") * std::numbers::pi / 180.0;
+  config.lost_beyond_rad = kRadPerDeg * section.positive("lost_beyond_deg");
   config.drift = read_odometry_drift_config(section.section("drift"));
   config.answers = read_map_alignment_config(section.section("answers"));
   return config;

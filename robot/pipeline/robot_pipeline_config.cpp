@@ -1,11 +1,11 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "robot/vio/vio_config.hpp"
 #include "shared/config/config_reader.hpp"
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
 
 RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
-  constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
   const VioConfig vio = read_vio_config(config.section("vio"));
   ConfigReader start = config.section("start");
   return {.tracking = read_feature_tracker_config(config.section("tracking")),

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "robot/inertial/imu_factor.hpp"
+#include "robot/inertial/scaled_cholesky.hpp"
 
 namespace fleetloc {
 namespace {
@@ -15,43 +16,6 @@ using Refusal = SparsificationRefusal;
 constexpr std::size_t kMinKeyframes = 3;
 constexpr int kPose = 6;
 constexpr int kSpeedBias = 9;
-
-// Smallest pivot of a matrix with unit diagonal at which it still counts as regular.
-constexpr double kMinPivot = 1e-13;
-
-/// Solves with a positive definite matrix whose entries differ by many orders of magnitude: it is
-/// scaled to a unit diagonal first.
-class ScaledCholesky {
- public:
-  explicit ScaledCholesky(const Eigen::MatrixXd& matrix) {
-    if (!matrix.allFinite() || !(matrix.diagonal().array() > 0.0).all()) return;
-    scale_ = matrix.diagonal().cwiseSqrt().cwiseInverse();
-    factor_.compute(scale_.asDiagonal() * matrix * scale_.asDiagonal());
-    if (factor_.info() != Eigen::Success) return;
-    const double pivot = factor_.matrixLLT().diagonal().cwiseAbs2().minCoeff();
-    regular_ = pivot > kMinPivot;
-  }
-
-  [[nodiscard]] bool regular() const { return regular_; }
-
-  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const {
-    return scale_.asDiagonal() * factor_.solve(scale_.asDiagonal() * right);
-  }
-
-  [[nodiscard]] Eigen::MatrixXd inverse() const {
-    const Eigen::MatrixXd result = solve(Eigen::MatrixXd::Identity(scale_.size(), scale_.size()));
-    return 0.5 * (result + result.transpose());
-  }
-
-  [[nodiscard]] double log_determinant() const {
-    return 2.0 * (factor_.matrixLLT().diagonal().array().log().sum() - scale_.array().log().sum());
-  }
-
- private:
-  Eigen::VectorXd scale_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
-  bool regular_ = false;
-};
 
 /// Where the states stand in Lambda_m: the poses but the oldest, then velocities and biases. What
 /// is fixed has no columns.

@@ -48,7 +48,7 @@ struct PoseInformation {
 };
 
 /// Lambda_m from preintegration and bias walk over poses, velocities and biases, linearized at the
-/// window's states; then the Schur complement without velocities and biases (paper, eq. 6 to 8).
+/// window's states; then the Schur complement without velocities and biases (paper, eq. 5 and 6).
 Sparsified<PoseInformation> pose_information(const InertialWindow& window, InertialModel model);
 
 /// One relative pose; its error is Log(T_from_to^-1 * T_odom_from^-1 * T_odom_to).
@@ -63,7 +63,7 @@ struct ChainOfPoses {
 };
 
 /// The chain of independent relative poses that is nearest to the dense distribution in the
-/// Kullback-Leibler divergence: X_i = ({A Lambda_t^-1 A^T}_i)^-1 (paper, eq. 10; Wang, Xiong and
+/// Kullback-Leibler divergence: X_i = ({A Lambda_t^-1 A^T}_i)^-1 (paper, eq. 8; Wang, Xiong and
 /// Huang, 2015). Measured are the relative poses at poses [+] Lambda_t^-1 vector with
 /// kInertialMean, else at the poses themselves.
 Sparsified<ChainOfPoses> sparsify(const PoseInformation& dense, InertialModel model);

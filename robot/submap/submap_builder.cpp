@@ -4,13 +4,12 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <set>
+
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 bool same(const Pose& a, const Pose& b) {
   return a.R.coeffs() == b.R.coeffs() && a.p == b.p;

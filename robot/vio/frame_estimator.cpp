@@ -21,12 +21,6 @@ struct LocalState {
   Matrix15d covariance;
 };
 
-NavState retracted(const NavState& state, const Vector15d& delta) {
-  return {retract(state.T_odom_body, delta.head<6>()),
-          state.v_odom + delta.segment<3>(6),
-          {state.bias.gyroscope + delta.segment<3>(9), state.bias.accelerometer + delta.tail<3>()}};
-}
-
 // What is known of the keyframe apart from its pose.
 Matrix15d speed_bias_only(const Matrix15d& covariance) {
   Matrix15d result = Matrix15d::Zero();
@@ -95,7 +89,7 @@ Refinement refined(const LocalState& prediction,
     gain = (Matrix6d::Identity() + system.H * P).partialPivLu().inverse();
     const Vector6d b = system.g - system.H * delta.head<6>();
     delta = -prediction.covariance.leftCols<6>() * (gain * b);
-    result.state.state = retracted(prediction.state, delta);
+    result.state.state = retract(prediction.state, delta);
   }
   const Eigen::Matrix<double, 15, 6> C = prediction.covariance.leftCols<6>();
   result.state.covariance = prediction.covariance - C * (gain * system.H) * C.transpose();

@@ -45,13 +45,6 @@ double tilt_sigma(const Pose& T_odom_body, const Eigen::Matrix3d& rotation_covar
   return std::sqrt(0.5 * (covariance_odom(0, 0) + covariance_odom(1, 1)));
 }
 
-NavState moved(const NavState& state, const Vector15d& tangent) {
-  return {
-      retract(state.T_odom_body, tangent.head<6>()),
-      state.v_odom + tangent.segment<3>(6),
-      {state.bias.gyroscope + tangent.segment<3>(9), state.bias.accelerometer + tangent.tail<3>()}};
-}
-
 // How the tangent of `state` moves when yaw and position of another pose do.
 Eigen::Matrix<double, 15, 4> moved_by(const Pose& T_odom_other, const NavState& state) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -186,7 +179,7 @@ void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
   estimate.inertial.oldest_covariance = covariance.block<9, 9>(6, 6);
   // What came from the cloud has moved it, and its tilt and velocity would tell the submap.
   NavState& oldest = estimate.inertial.states.front();
-  oldest = moved(oldest, marginal.mean.head<kState>());
+  oldest = retract(oldest, marginal.mean.head<kState>());
   estimate.landmarks = landmark_estimates(graph, config.noise.pixel_sigma);
   const auto J =
       moved_by(estimate.keyframes.front().state.T_odom_body, estimate.keyframes.back().state);

@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-/// Point to plane (paper, eq. 16), whitened: n . (p - q) / sigma. Parameters: p_map (3).
+/// Point to plane (paper, eq. 14), whitened: n . (p - q) / sigma. Parameters: p_map (3).
 class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
  public:
   PointToPlaneFactor(Eigen::Vector3d q_map, const Eigen::Vector3d& normal, double sigma_m);
@@ -19,7 +19,7 @@ class PointToPlaneFactor final : public ceres::SizedCostFunction<1, 3> {
   Eigen::Vector3d whitened_normal_;
 };
 
-/// Point to point (paper, eq. 15), whitened: (p - q) / sigma. Parameters: p_map (3).
+/// Point to point (paper, eq. 13), whitened: (p - q) / sigma. Parameters: p_map (3).
 class PointToPointFactor final : public ceres::SizedCostFunction<3, 3> {
  public:
   PointToPointFactor(Eigen::Vector3d q_map, double sigma_m);

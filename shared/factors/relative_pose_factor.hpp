@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-/// Virtual odometry (paper, eq. 12), whitened: sqrt_information * Log(T_a_b^-1 * T_w_a^-1 * T_w_b).
+/// Virtual odometry (paper, eq. 10), whitened: sqrt_information * Log(T_a_b^-1 * T_w_a^-1 * T_w_b).
 /// Parameters: T_world_a (7), T_world_b (7).
 class RelativePoseFactor final : public ceres::SizedCostFunction<6, 7, 7> {
  public:

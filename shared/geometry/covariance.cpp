@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-double greatest_sigma(const Eigen::Matrix3d& covariance) {
+double max_sigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(eigen.eigenvalues()(2));
 }

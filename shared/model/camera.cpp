@@ -5,12 +5,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "shared/geometry/angle.hpp"
+
 namespace fleetloc {
 namespace {
 
 constexpr int kMaxIterations = 20;
-constexpr double kTolerance = 1e-12;                              // of normalized image coordinates
-constexpr double kUsableAngle = 75.0 * std::numbers::pi / 180.0;  // of a rectified view, off axis
+constexpr double kTolerance = 1e-12;                // of normalized image coordinates
+constexpr double kUsableAngle = 75.0 * kRadPerDeg;  // of a rectified view, off axis
 
 /// Coefficients of r * (1 + c0 r^2 + c1 r^4 + c2 r^6 + c3 r^8), which both models share: r is the
 /// tangent of the angle to the axis (radial-tangential) or the angle itself (equidistant).

@@ -55,6 +55,14 @@ struct NavState {
   ImuBias bias;
 };
 
+/// The state at `tangent` from `state`.
+inline NavState retract(const NavState& state, const Vector15d& tangent) {
+  return {
+      retract(state.T_odom_body, tangent.head<6>()),
+      state.v_odom + tangent.segment<3>(6),
+      {state.bias.gyroscope + tangent.segment<3>(9), state.bias.accelerometer + tangent.tail<3>()}};
+}
+
 /// Standard gravity in a gravity-aligned frame with z up [m/s^2]: at rest the specific force is -g.
 inline const Eigen::Vector3d kGravity{0.0, 0.0, -9.81};
 

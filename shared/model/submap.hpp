@@ -22,7 +22,7 @@ struct SubmapKeyframe {
   std::vector<StereoObservation> observations;  ///< strictly increasing by landmark
 };
 
-/// Virtual odometry between two consecutive keyframes (paper, eq. 6 to 9): a relative pose with
+/// Virtual odometry between two consecutive keyframes (paper, eq. 5 to 8): a relative pose with
 /// the information that remains of the IMU once velocities and biases are marginalized out.
 /// The error is Log(T_from_to^-1 * T_odom_from^-1 * T_odom_to), [rotation rad, translation m].
 struct VirtualEdge {

@@ -47,8 +47,8 @@ void count_if_wrong(const LocalizationResult& answer, const Pose& truth, Tally& 
   const double error_rad = log_so3(answer.T_map_body.R.conjugate() * truth.R).norm();
   if (error_m <= kWrongM && error_rad <= kWrongRad) return;
   ++tally.wrong;
-  const double sigma_m = greatest_sigma(answer.covariance.bottomRightCorner<3, 3>());
-  const double sigma_rad = greatest_sigma(answer.covariance.topLeftCorner<3, 3>());
+  const double sigma_m = max_sigma(answer.covariance.bottomRightCorner<3, 3>());
+  const double sigma_rad = max_sigma(answer.covariance.topLeftCorner<3, 3>());
   const bool is_covered = error_m <= std::max(kWrongM, 3.0 * sigma_m) &&
                           error_rad <= std::max(kWrongRad, 3.0 * sigma_rad);
   if (!is_covered) ++tally.wrong_and_sure;

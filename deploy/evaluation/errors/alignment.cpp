@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include <Eigen/Geometry>
 
 namespace fleetloc {
 namespace {
@@ -37,24 +36,28 @@ Eigen::Quaterniond about_z(double angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
 }
 
-/// R_truth_estimate of greatest trace(R^T * correlation).
-Eigen::Quaterniond best_rotation(const Eigen::Matrix3d& correlation) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double handedness = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  const Eigen::DiagonalMatrix<double, 3> S(1.0, 1.0, handedness < 0.0 ? -1.0 : 1.0);
-  return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * S * svd.matrixV().transpose()));
+/// The rotation and translation of Umeyama (1991), without scale.
+Pose least_squares(std::span<const PosePair> pairs) {
+  Eigen::Matrix3Xd estimate(3, static_cast<Eigen::Index>(pairs.size()));
+  Eigen::Matrix3Xd truth(3, estimate.cols());
+  for (Eigen::Index i = 0; i < estimate.cols(); ++i) {
+    const PosePair& pair = pairs[static_cast<std::size_t>(i)];
+    estimate.col(i) = pair.T_estimate_body.p;
+    truth.col(i) = pair.T_truth_body.p;
+  }
+  const Eigen::Matrix4d T = Eigen::umeyama(estimate, truth, false);
+  return {.R = Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())),
+          .p = T.topRightCorner<3, 1>()};
 }
 
 }  // namespace
 
 Pose align(std::span<const PosePair> pairs, Alignment alignment) {
   if (alignment == Alignment::kNone || pairs.empty()) return {};
+  if (alignment == Alignment::kSe3) return least_squares(pairs);
   const Centers center = centers(pairs);
   const Eigen::Matrix3d C = correlation(pairs, center);
-  const Eigen::Quaterniond R = alignment == Alignment::kYaw
-                                   ? about_z(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)))
-                                   : best_rotation(C);
+  const Eigen::Quaterniond R = about_z(std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1)));
   return {.R = R, .p = center.truth - R * center.estimate};
 }
 

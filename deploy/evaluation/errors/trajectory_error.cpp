@@ -4,11 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -38,7 +38,7 @@ Statistics statistics(std::vector<double> values) {
 namespace {
 
 double angle_deg(const Eigen::Quaterniond& R) {
-  return log_so3(R).norm() * 180.0 / std::numbers::pi;
+  return kDegPerRad * log_so3(R).norm();
 }
 
 /// The pair nearest to `stamp`; null if none is within `tolerance`.

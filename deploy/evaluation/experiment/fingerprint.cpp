@@ -7,21 +7,20 @@
 #include <stdexcept>
 #include <vector>
 
-namespace fleetloc {
-namespace {
+#include <xxhash.h>
 
-bool is_text(const std::filesystem::path& file) {
-  const auto extension = file.extension();
-  return extension == ".csv" || extension == ".yaml" || extension == ".tum";
+namespace fleetloc {
+
+Fingerprint::Fingerprint() : state_(XXH3_createState()) {
+  XXH3_64bits_reset(state_.get());
 }
 
-}  // namespace
+void Fingerprint::Free::operator()(XXH3_state_s* state) const {
+  XXH3_freeState(state);
+}
 
 void Fingerprint::mix(std::string_view bytes) {
-  constexpr std::uint64_t kPrime = 0x100000001b3U;
-  for (const char byte : bytes) {
-    hash_ = (hash_ ^ static_cast<unsigned char>(byte)) * kPrime;
-  }
+  XXH3_64bits_update(state_.get(), bytes.data(), bytes.size());
 }
 
 Fingerprint& Fingerprint::add(std::string_view name, std::string_view value) {
@@ -35,12 +34,14 @@ Fingerprint& Fingerprint::add(std::string_view name, std::string_view value) {
 Fingerprint& Fingerprint::add_file(std::string_view name, const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::array<char, 1U << 16U> block{};
+  std::uint64_t size = 0;
   add(name, "file");
   while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
     mix({block.data(), static_cast<std::size_t>(stream.gcount())});
+    size += static_cast<std::uint64_t>(stream.gcount());
   }
   if (!stream.eof()) throw std::runtime_error(file.string() + ": cannot be read");
-  return *this;
+  return add("size", std::to_string(size));
 }
 
 Fingerprint& Fingerprint::add_folder(std::string_view name, const std::filesystem::path& folder) {
@@ -50,17 +51,14 @@ Fingerprint& Fingerprint::add_folder(std::string_view name, const std::filesyste
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::ranges::sort(files);
-  for (const auto& file : files) {
-    const std::string relative = file.lexically_relative(folder).generic_string();
-    add(relative, std::to_string(std::filesystem::file_size(file)));
-    if (is_text(file)) add_file(relative, file);
-  }
+  for (const auto& file : files) add_file(file.lexically_relative(folder).generic_string(), file);
   return *this;
 }
 
 std::string Fingerprint::text() const {
   std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash_));
+  const auto hash = static_cast<unsigned long long>(XXH3_64bits_digest(state_.get()));
+  std::snprintf(digits.data(), digits.size(), "%016llx", hash);
   return digits.data();
 }
 

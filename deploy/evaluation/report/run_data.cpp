@@ -1,19 +1,17 @@
 #include "deploy/evaluation/report/run_data.hpp"
 
 #include <fstream>
-#include <numbers>
 #include <stdexcept>
 
 #include "deploy/evaluation/errors/alignment.hpp"
 #include "deploy/evaluation/errors/dead_reckoning.hpp"
 #include "shared/config/delimited_file.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 std::optional<std::string> text_of(const std::filesystem::path& file) {
   std::ifstream stream(file);

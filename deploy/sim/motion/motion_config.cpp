@@ -1,14 +1,13 @@
 #include "deploy/sim/motion/motion_config.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "shared/geometry/angle.hpp"
+
 namespace fleetloc {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 double not_negative(ConfigReader& reader, const std::string& key) {
   const auto value = reader.get<double>(key);

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "shared/core/percentile.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kHuberMedians = 2.5;  // residuals above that many medians count less
 constexpr double kOutlierWeight = 0.33;
 constexpr int kRobustRounds = 4;     // until the weights have settled

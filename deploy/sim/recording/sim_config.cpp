@@ -1,16 +1,14 @@
 #include "deploy/sim/recording/sim_config.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "shared/dataset/sensor_file.hpp"
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 std::vector<double> numbers(ConfigReader& reader, const std::string& key, std::size_t count) {
   auto values = reader.get<std::vector<double>>(key);

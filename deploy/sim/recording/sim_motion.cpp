@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 #include <stdexcept>
 
 #include "deploy/sim/motion/vibration.hpp"
 #include "deploy/sim/world/route_field.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 RecordFit fitted(const std::filesystem::path& file, const RecordFitConfig& config) {
   const Trajectory poses = read_poses_in_any_order(file);

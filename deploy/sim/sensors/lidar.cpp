@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "shared/core/counter_random.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 enum Stream : std::uint64_t { kRange = 0x6c69646172'00, kDropout };
 

@@ -1,12 +1,13 @@
 #include "deploy/sim/world/scene_config.hpp"
 
 #include <algorithm>
-#include <numbers>
+
+#include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
 namespace {
 
-constexpr float kRadians = std::numbers::pi_v<float> / 180.0F;
+constexpr auto kRadians = static_cast<float>(kRadPerDeg);
 
 float within(ConfigReader& config, const std::string& key, double min, double max) {
   return static_cast<float>(config.number(key, min, max));

@@ -9,8 +9,8 @@
 namespace fleetloc {
 namespace {
 
-TEST(Fingerprint, IsThatOfFnv) {
-  EXPECT_EQ(Fingerprint().text(), "cbf29ce484222325");
+TEST(Fingerprint, IsThatOfXxh3) {
+  EXPECT_EQ(Fingerprint().text(), "2d06800538d394c2");
 }
 
 TEST(Fingerprint, KeepsPartsApart) {
@@ -36,8 +36,11 @@ TEST(Fingerprint, FollowsTheFilesOfAFolder) {
   write("folder/a.csv", "1,3");
   const std::string other = text();
   EXPECT_NE(other, before);
+  write("folder/b.png", "imago");  // also where the size stays
+  const std::string third = text();
+  EXPECT_NE(third, other);
   write("folder/c.png", "");
-  EXPECT_NE(text(), other);
+  EXPECT_NE(text(), third);
 }
 
 }  // namespace
