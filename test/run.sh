@@ -47,10 +47,23 @@ run() {
   return $status
 }
 
+# What ran, and what was skipped and why. Fails if all of a group was skipped without an excuse.
+summarize() {
+  for group in $(ctest --preset "$1" --print-labels | sed -n "s/^  \([^ ]*\)\$/\1/p"); do
+    ctest --preset "$1" --show-only --label-regex "^$group\$" |
+      sed -n "s/^ *Test *#[0-9]*: /$group /p"
+  done >"$scratch/groups"
+  awk -v mode="$1" -f test/summary.awk "$scratch/groups" "$scratch/results.xml"
+}
+
 run_tests() {
   run sh deploy/build.sh "$1" || fail "the build of $1"
   echo "test/run.sh: testing $1"
-  run ctest --preset "$1" --parallel "$(nproc)" || fail "tests of $1"
+  outcome=0
+  run ctest --preset "$1" --parallel "$(nproc)" --output-junit "$scratch/results.xml" \
+    --test-output-size-passed 65536 || outcome=$?
+  summarize "$1" || outcome=1
+  [ $outcome -eq 0 ] || fail "tests of $1"
 }
 
 # Sources that changed since $1 and still exist, with the sources that include a changed header; or
