@@ -8,18 +8,18 @@
 
 #include "test/system/loopback_network.hpp"
 #include "test/system/recorded_flight.hpp"
+#include "test/system/simulated_flight.hpp"
 
 namespace fleetloc {
 
-/// fleetloc-robot and fleetloc-cloud on a network of their own, on the flight in the Vicon room.
+/// fleetloc-robot and fleetloc-cloud on a network of their own, on a flight: the simulated one in a
+/// room, unless a test takes another.
 class DdsFixture : public testing::Test {
  protected:
   using Arguments = std::vector<std::string>;
 
   void SetUp() override {
-    if (!std::filesystem::is_directory(recordings())) {
-      GTEST_SKIP() << "there are no recordings in " << recordings();
-    }
+    if (flight_.folder.empty()) flight_ = simulated_room();
   }
 
   /// The command line of a robot that is told its pose at its first image.
@@ -30,7 +30,7 @@ class DdsFixture : public testing::Test {
     Arguments arguments{"--robot-id",
                         id,
                         "--dataset",
-                        vicon_room().folder.string(),
+                        flight_.folder.string(),
                         "--qos",
                         qos_,
                         "--domain",
@@ -38,7 +38,7 @@ class DdsFixture : public testing::Test {
                         "--start",
                         start_s,
                         "--initial-pose",
-                        vicon_room().displaced_start_pose(std::stod(start_s)),
+                        flight_.displaced_start_pose(std::stod(start_s)),
                         "--out",
                         folder_of(id).string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -46,7 +46,7 @@ class DdsFixture : public testing::Test {
   }
 
   [[nodiscard]] Arguments cloud(const std::string& name) {
-    if (map_.empty()) map_ = built_map(vicon_room(), scratch_);
+    if (map_.empty()) map_ = built_map(flight_, scratch_);
     return {"--name",
             name,
             "--map",
@@ -63,6 +63,7 @@ class DdsFixture : public testing::Test {
     return scratch_ / name;
   }
 
+  RecordedFlight flight_;
   const ScratchFolder scratch_;
   const LoopbackNetwork network_;
   std::string qos_ = network_.qos();

@@ -64,7 +64,13 @@ RecordedFlight vicon_room() {
           .ground_truth = folder / "mav0" / "state_groundtruth_estimate0" / "data.csv"};
 }
 
+std::optional<std::string> why_missing(const RecordedFlight& flight) {
+  if (std::filesystem::is_directory(flight.folder)) return std::nullopt;
+  return "there is no recording " + flight.folder.string();
+}
+
 std::filesystem::path built_map(const RecordedFlight& flight, const ScratchFolder& scratch) {
+  if (!flight.map.empty()) return flight.map;
   auto map = scratch / "map.pcd";
   must_run(FLEETLOC_MAP,
            {"build",

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ std::filesystem::path recordings();
 struct RecordedFlight {
   std::filesystem::path folder;
   std::filesystem::path ground_truth;
+  std::filesystem::path map = {};  ///< of its place, where it comes with one
 
   /// For --initial-pose: the ground truth at the first frame from `start_s` on, displaced in the
   /// map by 0.3 m and 3 degrees of yaw.
@@ -43,7 +45,10 @@ RecordedFlight machine_hall();
 /// Real IMU and room, rendered images, 50 s, with a laser scan.
 RecordedFlight vicon_room();
 
-/// fleetloc-map build on the flight's scan.
+/// Why nothing can be tried on the flight, for GTEST_SKIP.
+std::optional<std::string> why_missing(const RecordedFlight& flight);
+
+/// Of the flight's place: its own, or what fleetloc-map builds of its scan.
 std::filesystem::path built_map(const RecordedFlight& flight, const ScratchFolder& scratch);
 
 nlohmann::json parsed_json(const std::filesystem::path& file);

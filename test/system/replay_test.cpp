@@ -1,10 +1,13 @@
-// fleetloc-replay on recordings: how far off it is, and that it repeats itself.
+// fleetloc-replay on simulated and recorded flights: how far off it is, and that it repeats itself.
 #include <iostream>
+#include <optional>
+#include <ostream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "test/system/recorded_flight.hpp"
+#include "test/system/simulated_flight.hpp"
 
 namespace fleetloc {
 namespace {
@@ -12,13 +15,26 @@ namespace {
 using ::testing::Ge;
 using ::testing::Le;
 
-class Replay : public testing::Test {
+/// A flight, and what is asked of the replays on it.
+struct FlightCase {
+  const char* name;
+  RecordedFlight (*flight)();
+  double odometry_rmse_m = 0.0;
+  std::optional<double> first_pose_s = std::nullopt;
+  double odometry_share = 0.0;  ///< of the frames
+  double median_m = 0.0;        ///< in the map
+  double share_in_map = 0.9;    ///< of the frames with a pose in it
+};
+void PrintTo(const FlightCase& one, std::ostream* stream) {
+  *stream << one.name;
+}
+
+class Replay : public testing::TestWithParam<FlightCase> {
  protected:
   void SetUp() override {
-    if (!std::filesystem::is_directory(recordings())) {
-      GTEST_SKIP() << "there are no recordings in " << recordings();
-    }
     if (kSanitized) GTEST_SKIP() << "too slow with sanitizers; the programs' parts run elsewhere";
+    flight_ = GetParam().flight();
+    if (const auto reason = why_missing(flight_)) GTEST_SKIP() << *reason;
   }
 
   /// Replays into a run folder named `name`.
@@ -33,7 +49,15 @@ class Replay : public testing::Test {
     return folder;
   }
 
+  [[nodiscard]] std::vector<std::string> in_map() const {
+    return {"--map",
+            built_map(flight_, scratch_).string(),
+            "--initial-pose",
+            flight_.displaced_start_pose()};
+  }
+
   const ScratchFolder scratch_;
+  RecordedFlight flight_;
 };
 
 /// Without ground truth and scan: the programs under test have no access to them.
@@ -45,50 +69,86 @@ void link_sensors(const std::filesystem::path& dataset, const std::filesystem::p
   }
 }
 
-TEST_F(Replay, KeepsTrackOfARealHandHeldRecording) {
-  const auto folder = replay("odometry", machine_hall().folder);
-  const auto errors = odometry_errors(folder, machine_hall());
-  std::cout << errors.dump() << '\n';
-  EXPECT_THAT(errors.at("translation_m").at("rmse").get<double>(), Le(0.015));
-  EXPECT_THAT(parsed_json(folder / "summary.json").at("first_pose_s").get<double>(), Le(2.5));
-  EXPECT_THAT(share_of_frames(folder, "odometry.tum"), Ge(0.84));
-}
+class ReplayedOdometry : public Replay {};
 
-TEST_F(Replay, KeepsTrackOfAFlight) {
-  const auto folder = replay("odometry", vicon_room().folder);
-  const auto errors = odometry_errors(folder, vicon_room());
-  std::cout << errors.dump() << '\n';
-  EXPECT_THAT(errors.at("translation_m").at("rmse").get<double>(), Le(0.04));
+TEST_P(ReplayedOdometry, KeepsTrack) {
+  const auto folder = replay("odometry", flight_.folder);
+  const auto errors = odometry_errors(folder, flight_);
+  const auto first_pose_s = parsed_json(folder / "summary.json").at("first_pose_s").get<double>();
+  const double share = share_of_frames(folder, "odometry.tum");
+  std::cout << errors.dump() << "\nfirst pose after " << first_pose_s << " s, poses for " << share
+            << " of the frames\n";
+  EXPECT_THAT(errors.at("translation_m").at("rmse").get<double>(), Le(GetParam().odometry_rmse_m));
+  EXPECT_THAT(first_pose_s, Le(GetParam().first_pose_s.value_or(first_pose_s)));
+  EXPECT_THAT(share, Ge(GetParam().odometry_share));
   EXPECT_EQ(content_of(folder / "localization_frames.tum"), "");  // no map, no pose in it
 }
 
-TEST_F(Replay, LocalizesAFlightInTheLaserMap) {
-  const std::vector<std::string> localized{"--map",
-                                           built_map(vicon_room(), scratch_).string(),
-                                           "--initial-pose",
-                                           vicon_room().displaced_start_pose()};
-  const auto folder = replay("localized", vicon_room().folder, localized);
-  const auto errors = run_errors(folder, vicon_room());
-  std::cout << "localized   " << errors.dump() << '\n';
-  EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(0.03));
+INSTANTIATE_TEST_SUITE_P(Simulated,
+                         ReplayedOdometry,
+                         testing::Values(FlightCase{.name = "Room",
+                                                    .flight = simulated_room,
+                                                    .odometry_rmse_m = 0.03,
+                                                    .first_pose_s = 2.0,
+                                                    .odometry_share = 0.94},
+                                         FlightCase{.name = "Street",
+                                                    .flight = simulated_street,
+                                                    .odometry_rmse_m = 0.03,
+                                                    .first_pose_s = 2.0,
+                                                    .odometry_share = 0.94}),
+                         [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Recorded,
+    ReplayedOdometry,
+    testing::Values(FlightCase{.name = "HandHeld",  // all of it is real
+                               .flight = machine_hall,
+                               .odometry_rmse_m = 0.015,
+                               .first_pose_s = 2.5,
+                               .odometry_share = 0.84},
+                    FlightCase{.name = "Flight", .flight = vicon_room, .odometry_rmse_m = 0.04}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+class ReplayInAMap : public Replay {};
+
+TEST_P(ReplayInAMap, IsLocalized) {
+  const std::vector<std::string> localized = in_map();
+  const auto folder = replay("localized", flight_.folder, localized);
+  const auto errors = run_errors(folder, flight_);
+  const double share = share_of_frames(folder, "localization_frames.tum");
+  std::cout << "localized   " << errors.dump() << ", poses for " << share << " of the frames\n";
+  EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(GetParam().median_m));
   EXPECT_THAT(errors.at("rotation_deg").at("median").get<double>(), Le(0.5));
-  EXPECT_THAT(share_of_frames(folder, "localization_frames.tum"), Ge(0.9));
+  EXPECT_THAT(share, Ge(GetParam().share_in_map));
   EXPECT_THAT(parsed_json(folder / "sessions.json").size(), 1);
 
   std::vector<std::string> once = localized;
   once.emplace_back("--align-once");
-  const auto control = replay("align_once", vicon_room().folder, once);
-  std::cout << "align once  " << run_errors(control, vicon_room()).dump() << '\n';
+  const auto control = replay("align_once", flight_.folder, once);
+  std::cout << "align once  " << run_errors(control, flight_).dump() << '\n';
   EXPECT_EQ(parsed_json(control / "summary.json").at("answers_applied"), 1);
 }
 
-TEST_F(Replay, RepeatsItselfBitForBitAndDoesNotLookAhead) {
-  const std::vector<std::string> localized{"--map",
-                                           built_map(vicon_room(), scratch_).string(),
-                                           "--initial-pose",
-                                           vicon_room().displaced_start_pose()};
+INSTANTIATE_TEST_SUITE_P(
+    Simulated,
+    ReplayInAMap,
+    testing::Values(FlightCase{.name = "Room", .flight = simulated_room, .median_m = 0.03},
+                    FlightCase{.name = "Street",
+                               .flight = simulated_street,
+                               .median_m = 0.2,
+                               .share_in_map = 0.5}),
+    [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(Recorded,
+                         ReplayInAMap,
+                         testing::Values(FlightCase{
+                             .name = "Flight", .flight = vicon_room, .median_m = 0.03}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+class RepeatedReplay : public Replay {};
+
+TEST_P(RepeatedReplay, IsTheSameBitForBitAndDoesNotLookAhead) {
+  const std::vector<std::string> localized = in_map();
   const auto sensors = scratch_ / "sensors";
-  link_sensors(vicon_room().folder, sensors);
+  link_sensors(flight_.folder, sensors);
   std::vector<std::string> first_30_s = localized;
   first_30_s.insert(first_30_s.end(), {"--duration", "30"});
   const auto once = replay("once", sensors, localized);
@@ -107,6 +167,15 @@ TEST_F(Replay, RepeatsItselfBitForBitAndDoesNotLookAhead) {
     EXPECT_LT(beginning.size(), whole.size()) << file;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Simulated,
+                         RepeatedReplay,
+                         testing::Values(FlightCase{.name = "Room", .flight = simulated_room}),
+                         [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(Recorded,
+                         RepeatedReplay,
+                         testing::Values(FlightCase{.name = "Flight", .flight = vicon_room}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace fleetloc

@@ -2,10 +2,13 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <ostream>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/system/simulated_flight.hpp"
 #include "test/system/started_odometry.hpp"
 
 namespace fleetloc {
@@ -37,16 +40,6 @@ void print(const StartOutcome& outcome) {
             << (succeeded(outcome) ? "\n" : "  FAILED\n");
 }
 
-class StartAnywhere : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!std::filesystem::is_directory(recordings())) {
-      GTEST_SKIP() << "there are no recordings in " << recordings();
-    }
-    if (kSanitized) GTEST_SKIP() << "too slow with sanitizers; the programs' parts run elsewhere";
-  }
-};
-
 struct Count {
   int metric = 0;     ///< starts with a pose in time and the right scale
   int succeeded = 0;  ///< and with gravity
@@ -66,22 +59,49 @@ Count count_successes(const RecordedFlight& flight) {
   return count;
 }
 
-TEST_F(StartAnywhere, FindsMetresAndGravityInARealHandHeldRecording) {
-  const Count count = count_successes(machine_hall());
-  EXPECT_THAT(count.metric, Ge(18));
-  EXPECT_THAT(count.succeeded, Ge(18));
+/// A flight, and how many of the starts on it must succeed.
+struct StartCase {
+  const char* name;
+  RecordedFlight (*flight)();
+  int metric;
+  int succeeded;
+};
+void PrintTo(const StartCase& one, std::ostream* stream) {
+  *stream << one.name;
 }
 
-// Short of the 18 that are wanted, which the recording does not hold: where the flight turns little
+class StartAnywhere : public testing::TestWithParam<StartCase> {
+ protected:
+  void SetUp() override {
+    if (kSanitized) GTEST_SKIP() << "too slow with sanitizers; the programs' parts run elsewhere";
+    flight_ = GetParam().flight();
+    if (const auto reason = why_missing(flight_)) GTEST_SKIP() << *reason;
+  }
+
+  RecordedFlight flight_;
+};
+
+TEST_P(StartAnywhere, FindsMetresAndMostlyGravity) {
+  const Count count = count_successes(flight_);
+  EXPECT_THAT(count.metric, Ge(GetParam().metric));
+  EXPECT_THAT(count.succeeded, Ge(GetParam().succeeded));
+}
+
+INSTANTIATE_TEST_SUITE_P(Simulated,
+                         StartAnywhere,
+                         testing::Values(StartCase{"Room", simulated_room, 18, 18}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+// Flight: short of the 18 that are wanted, which the recording does not hold: where it turns little
 // for 3 s, gravity and the accelerometer's bias (0.16 m/s^2 across gravity, one degree) cannot be
 // told apart, and the ground truth that its images are rendered from does not quite fit its IMU. A
 // least-squares fit of the IMU to the poses of the ground truth itself finds gravity within one
 // degree in 11 to 16 of 20 such stretches, whatever it believes of the bias beforehand.
-TEST_F(StartAnywhere, FindsMetresAndMostlyGravityInAFlight) {
-  const Count count = count_successes(vicon_room());
-  EXPECT_THAT(count.metric, Ge(18));
-  EXPECT_THAT(count.succeeded, Ge(14));
-}
+INSTANTIATE_TEST_SUITE_P(Recorded,
+                         StartAnywhere,
+                         testing::Values(StartCase{"HandHeld", machine_hall, 18, 18},
+                                         StartCase{"Flight", vicon_room, 18, 14}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace fleetloc

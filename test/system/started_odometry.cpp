@@ -5,7 +5,6 @@
 
 #include "deploy/config/default_config.hpp"
 #include "deploy/evaluation/errors/alignment.hpp"
-#include "deploy/replay/simulated_back_end.hpp"
 #include "robot/dataset/dataset_reader.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/trajectory/tum_file.hpp"
@@ -14,7 +13,12 @@ namespace fleetloc {
 namespace {
 
 constexpr Duration kMaxGap = std::chrono::milliseconds(100);  // of the ground truth
-constexpr double kFramePeriod = 0.05;                         // [s]
+
+/// In full milliseconds: stamps jitter.
+double frame_period_s(const std::filesystem::path& dataset) {
+  const Duration between = first_frame(dataset, 1e-6) - first_frame(dataset);
+  return 1e-3 * std::round(1e3 * to_seconds(between));
+}
 
 std::optional<double> speed_at(const Trajectory& truth, Timestamp stamp) {
   constexpr double kHalf = 0.1;  // [s]
@@ -99,11 +103,12 @@ double gravity_error_deg(const PosePair& pair) {
 std::vector<double> starts_in_motion(const RecordedFlight& flight, const StartChoice& choice) {
   const Trajectory truth = read_trajectory(flight.ground_truth);
   const Timestamp first = first_frame(flight.folder);
+  const double period_s = frame_period_s(flight.folder);
   const auto frames = static_cast<int>(DatasetReader({.folder = flight.folder}).frame_count());
-  const auto playing = static_cast<int>(choice.playing_s / kFramePeriod);
+  const auto playing = static_cast<int>(std::lround(choice.playing_s / period_s));
   std::vector<double> moving;
   for (int frame = 0; frame + playing <= frames; ++frame) {
-    const double start_s = kFramePeriod * frame;
+    const double start_s = period_s * frame;
     const auto speed = speed_at(truth, first + from_seconds(start_s));
     if (speed && *speed > choice.min_speed) moving.push_back(start_s);
   }

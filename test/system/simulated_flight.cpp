@@ -1,0 +1,84 @@
+#include "test/system/simulated_flight.hpp"
+
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "test/system/kept_folder.hpp"
+
+namespace fleetloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+const fs::path kWorlds = FLEETLOC_SOURCE_DIR "/deploy/worlds";
+const fs::path kKept = FLEETLOC_BINARY_DIR "/simulated_flights";
+const fs::path kRecipe = FLEETLOC_SOURCE_DIR "/test/system/simulated_flight.cpp";  // this file
+
+// Sanitized programs only get a few seconds: their figures are judged nowhere.
+constexpr const char* kRoomDuration = kSanitized ? "12" : "44";   // [s]
+constexpr const char* kStreetDuration = kSanitized ? "2" : "24";  // [s]
+
+void simulate(const fs::path& out, const char* duration_s, Words words) {
+  const fs::path config = out.parent_path() / "ten_hertz.yaml";
+  std::ofstream(config) << "sim: {images: {rate_hz: 10}}\n";
+  words.insert(words.end(),
+               {"--config", config.string(), "--duration", duration_s, "--out", out.string()});
+  must_run(FLEETLOC_SIM, words);
+}
+
+void make_room(const fs::path& folder) {
+  std::cout << "making " << folder << ": " << kRoomDuration << " s in a room" << std::endl;
+  const auto cloud = (folder / "room.ply").string();
+  const auto poses = (folder / "poses.tum").string();
+  must_run(FLEETLOC_ROOM_FILES, {cloud, poses});
+  must_run(FLEETLOC_MAP, {"build", "--cloud", cloud, "--out", folder / "map.pcd"});
+  simulate(folder / "flight", kRoomDuration, {"--cloud", cloud, "--trajectory", poses});
+}
+
+void make_street(const fs::path& folder) {
+  std::cout << "making " << folder << ": " << kStreetDuration << " s on a street" << std::endl;
+  const Words way{"--scene", kWorlds / "campus.yaml", "--route", kWorlds / "quad.yaml"};
+  const fs::path survey = folder / "survey";
+  Words scanned = way;
+  scanned.insert(scanned.end(), {"--season", "summer", "--no-images", "--lidar"});
+  simulate(survey, kStreetDuration, scanned);
+  must_run(FLEETLOC_MAP,
+           {"build",
+            "--cloud",
+            survey / "mav0" / "pointcloud0" / "data.ply",
+            "--out",
+            folder / "map.pcd"});
+  fs::remove_all(survey);
+  Words seen = way;
+  seen.insert(seen.end(), {"--season", "autumn", "--seed", "2"});
+  simulate(folder / "flight", kStreetDuration, seen);
+}
+
+RecordedFlight kept_flight(const fs::path& kept) {
+  const fs::path flight = kept / "flight";
+  return {.folder = flight,
+          .ground_truth = flight / "mav0" / "state_groundtruth_estimate0" / "data.csv",
+          .map = kept / "map.pcd"};
+}
+
+}  // namespace
+
+RecordedFlight simulated_room() {
+  const fs::path folder = kKept / "room";
+  keep(folder, {FLEETLOC_SIM, FLEETLOC_MAP, FLEETLOC_ROOM_FILES, kRecipe}, make_room);
+  return kept_flight(folder);
+}
+
+RecordedFlight simulated_street() {
+  const fs::path folder = kKept / "street";
+  keep(folder,
+       {FLEETLOC_SIM, FLEETLOC_MAP, kWorlds / "campus.yaml", kWorlds / "quad.yaml", kRecipe},
+       make_street);
+  return kept_flight(folder);
+}
+
+}  // namespace fleetloc
