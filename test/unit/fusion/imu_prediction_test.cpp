@@ -11,16 +11,6 @@
 namespace fleetloc {
 namespace {
 
-NavState retract(const NavState& state, const Vector15d& xi) {
-  NavState result = state;
-  result.T_odom_body.R = state.T_odom_body.R * exp_so3(xi.head<3>());
-  result.T_odom_body.p += state.T_odom_body.R * xi.segment<3>(3);
-  result.v_odom += xi.segment<3>(6);
-  result.bias.gyroscope += xi.segment<3>(9);
-  result.bias.accelerometer += xi.tail<3>();
-  return result;
-}
-
 Vector15d local_coordinates(const NavState& from, const NavState& to) {
   Vector15d xi;
   xi << log_so3(from.T_odom_body.R.conjugate() * to.T_odom_body.R),
