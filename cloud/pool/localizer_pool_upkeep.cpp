@@ -1,4 +1,4 @@
-// What the pool keeps of robots that it does not serve: strangers, conflicts, those that left.
+// What the pool keeps of robots that it does not serve: unknown ones, conflicts, departed ones.
 #include <algorithm>
 #include <utility>
 

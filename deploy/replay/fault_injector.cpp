@@ -76,9 +76,10 @@ void inject_fault(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
 
 /// What a front end would have made of such images.
 void inject_fault(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
-  const bool blind = kind == FaultKind::kBlackImages || kind == FaultKind::kSaturatedImages ||
-                     kind == FaultKind::kMissingLeft;
-  if (blind) frame.observations.clear();
+  const bool hides_landmarks = kind == FaultKind::kBlackImages ||
+                               kind == FaultKind::kSaturatedImages ||
+                               kind == FaultKind::kMissingLeft;
+  if (hides_landmarks) frame.observations.clear();
   if (kind == FaultKind::kMissingRight) {
     for (StereoObservation& observation : frame.observations) observation.disparity = 0.0;
   }

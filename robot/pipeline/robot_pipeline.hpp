@@ -112,7 +112,7 @@ class RobotPipeline {
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] std::uint64_t resets() const { return resets_; }
   /// What was wrong with the input, and what came of it, by kind: "refused_...", "missing_images",
-  /// "wrong_images", frames that were "blind" or "vision_inconsistent", and "reset_..." by cause.
+  /// "wrong_images", frames that were "vision_lost" or "vision_inconsistent", and "reset_..." by cause.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }

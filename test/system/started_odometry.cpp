@@ -5,6 +5,7 @@
 
 #include "deploy/config/default_config.hpp"
 #include "deploy/evaluation/errors/alignment.hpp"
+#include "deploy/replay/simulated_back_end.hpp"
 #include "robot/dataset/dataset_reader.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/trajectory/tum_file.hpp"

@@ -111,15 +111,15 @@ TEST_F(FrameEstimatorTest, CarriesOnInertiallyWithoutImagesAndMakesThemNoKeyfram
   FrameEstimator estimator(run_.stereo(), run_.noise(), config_.frame_estimator);
   estimator.update(window_);
   const int frame = kNewest + 20;
-  const auto blind = estimator.estimate({run_.frame_stamp(frame), {}}, imu_);
-  ASSERT_TRUE(blind.has_value());
-  EXPECT_FALSE(blind->vision_updated);
-  EXPECT_FALSE(blind->vision_inconsistent);
-  EXPECT_FALSE(blind->wants_keyframe);
-  const Eigen::Vector3d error =
-      blind->estimate.state.T_odom_body.p - run_.truth(run_.frame_stamp(frame)).T_odom_body.p;
+  const auto inertial_only = estimator.estimate({run_.frame_stamp(frame), {}}, imu_);
+  ASSERT_TRUE(inertial_only.has_value());
+  EXPECT_FALSE(inertial_only->vision_updated);
+  EXPECT_FALSE(inertial_only->vision_inconsistent);
+  EXPECT_FALSE(inertial_only->wants_keyframe);
+  const Eigen::Vector3d error = inertial_only->estimate.state.T_odom_body.p -
+                                run_.truth(run_.frame_stamp(frame)).T_odom_body.p;
   EXPECT_LT(error.norm(),
-            3.0 * std::sqrt(blind->estimate.covariance.diagonal().segment<3>(3).sum()));
+            3.0 * std::sqrt(inertial_only->estimate.covariance.diagonal().segment<3>(3).sum()));
 }
 
 TEST_F(FrameEstimatorTest, TrustsNoImageOfLongAgo) {
