@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
-#include <Eigen/Cholesky>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "robot/inertial/scaled_cholesky.hpp"
 #include "robot/vio/gauge_factor.hpp"
 #include "robot/vio/window_graph.hpp"
 
@@ -212,12 +213,13 @@ OdometryMarginal odometry_marginal(WindowGraph& graph, const SlidingWindow::Conf
     }
   }
   const NormalEquations system = schur_complement(blocks, kept, points);
-  const Eigen::VectorXd scale = system.H.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * system.H * scale.asDiagonal());
-  const Eigen::MatrixXd inverse =
-      cholesky.solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
-  return {scale.asDiagonal() * inverse * scale.asDiagonal(),
-          -(scale.asDiagonal() * cholesky.solve(scale.asDiagonal() * system.g))};
+  const ScaledCholesky cholesky(system.H);
+  if (!cholesky.regular()) {  // whoever compares with this takes it for diverged
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    return {Eigen::MatrixXd::Constant(system.H.rows(), system.H.cols(), kUnknown),
+            Eigen::VectorXd::Constant(system.H.rows(), kUnknown)};
+  }
+  return {cholesky.inverse(), -cholesky.solve(system.g)};
 }
 
 }  // namespace fleetloc
