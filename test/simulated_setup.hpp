@@ -27,7 +27,7 @@ inline StereoCalibration ideal_cameras(const RectifiedStereo& stereo) {
   return calibration;
 }
 
-/// With every source of noise there is, after a second at rest.
+/// A flight with all sources of noise, after a second at rest.
 inline SimulatedRun::Config noisy_flight() {
   SimulatedRun::Config config;
   config.imu_white_noise = true;

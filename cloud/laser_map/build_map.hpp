@@ -15,23 +15,23 @@ namespace fleetloc {
 
 struct MapConfig {
   double resolution_m = 0.0;     ///< edge of the voxels; each becomes the mean of its points
-  double normal_radius_m = 0.0;  ///< of the surroundings that a normal is computed from
+  double normal_radius_m = 0.0;  ///< of the neighbourhood of which a normal is computed
   int min_neighbours = 0;        ///< with fewer points around it a point has no normal
   int threads = 1;               ///< that compute normals; the map is the same with any number
 };
 
 MapConfig read_map_config(ConfigReader section);
 
-/// For a map of other voxels: normals come from as many of them.
+/// The same for another resolution: the normal radius scales with it.
 MapConfig at_resolution(MapConfig config, double resolution_m);
 
-/// Points that no map can be made of.
+/// The points do not make a map, see build_map().
 class MapBuildError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Told how many of how many points have their normals.
+/// Called with the number of points that have a normal so far, and of all points.
 using MapProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 /// Voxel filter, then a normal and a planarity for each point by principal component analysis of

@@ -14,13 +14,13 @@ namespace fleetloc {
 
 class PointIndex;
 
-/// A piece of surface of the laser map.
+/// A point of the laser map, with the surface around it.
 struct MapPoint {
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();   ///< [m]
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, of either sign; zero if not known
-  /// 1 - sigma_0 / sigma_1 of the surroundings, whose standard deviations along the principal axes
+  /// 1 - sigma_0 / sigma_1 of the neighbourhood, whose standard deviations along the principal axes
   /// are sigma_0 <= sigma_1 <= sigma_2: 1 on a perfect plane, 0 on a line, in a volume, and where
-  /// the surroundings are too sparse to tell.
+  /// the neighbourhood is too sparse to tell.
   float planarity = 0.0F;
 };
 
@@ -58,10 +58,10 @@ class LaserMap {
   [[nodiscard]] std::optional<Neighbour> nearest(const Eigen::Vector3d& p_map,
                                                  double radius_m) const;
 
-  /// The nearest point, and how far away all others are.
+  /// The nearest point, and a lower bound of the distance to all others.
   struct Surroundings {
-    std::optional<Neighbour> nearest;  ///< as nearest() has it
-    double clear_m = 0.0;              ///< no other point is nearer; at most the radius
+    std::optional<Neighbour> nearest;  ///< see nearest()
+    double clear_m = 0.0;              ///< no other point is nearer; at most the radius [m]
   };
   [[nodiscard]] Surroundings surroundings(const Eigen::Vector3d& p_map, double radius_m) const;
 

@@ -30,7 +30,7 @@ WindowMotion motion_about(const std::vector<MapMatch>& matches) {
 
 }  // namespace
 
-Matrix6d WindowMotion::by_body(const Pose& T_map_body) const {
+Matrix6d WindowMotion::J_body_motion(const Pose& T_map_body) const {
   const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
   Matrix6d J;
   J << R_body_map / lever_m, Eigen::Matrix3d::Zero(),

@@ -5,21 +5,21 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kMinDisparity = 0.5;  // what is less says little more than "far" [px]
+constexpr double kMinDisparity = 0.5;  // smaller ones only bound the depth [px]
 constexpr double kMinDepth = 0.05;     // [m]
 
-struct Sighting {
+struct StereoView {
   const StereoObservation* observation = nullptr;
   const Pose* T_map_body = nullptr;
 };
 
-Eigen::Vector3d seen_at(const Sighting& sighting, const RectifiedStereo& stereo) {
-  const StereoObservation& seen = *sighting.observation;
+Eigen::Vector3d triangulated(const StereoView& view, const RectifiedStereo& stereo) {
+  const StereoObservation& seen = *view.observation;
   const double depth =
       stereo.focal_px * stereo.baseline_m / std::max(seen.disparity, kMinDisparity);
   const Eigen::Vector2d ray = (seen.left - stereo.center_px) / stereo.focal_px;
   const Eigen::Vector3d p_cam0(depth * ray.x(), depth * ray.y(), depth);
-  return *sighting.T_map_body * (stereo.T_body_cam0 * p_cam0);
+  return *view.T_map_body * (stereo.T_body_cam0 * p_cam0);
 }
 
 }  // namespace
@@ -27,25 +27,25 @@ Eigen::Vector3d seen_at(const Sighting& sighting, const RectifiedStereo& stereo)
 LandmarkPositions placed_landmarks(const SessionDatabase& database,
                                    const std::map<KeyframeId, Pose>& poses,
                                    const RectifiedStereo& stereo) {
-  std::map<LandmarkId, Sighting> nearest;
+  std::map<LandmarkId, StereoView> nearest;
   for (const auto& [id, T_map_body] : poses) {
     for (const StereoObservation& seen : database.keyframe(id).item.observations) {
-      Sighting& best = nearest[seen.landmark];
-      if (best.observation == nullptr || seen.disparity > best.observation->disparity) {
-        best = {&seen, &T_map_body};
+      StereoView& closest = nearest[seen.landmark];
+      if (closest.observation == nullptr || seen.disparity > closest.observation->disparity) {
+        closest = {&seen, &T_map_body};
       }
     }
   }
   LandmarkPositions positions;
-  for (const auto& [id, sighting] : nearest) {
+  for (const auto& [id, view] : nearest) {
     const SessionDatabase::Landmark& known = database.landmarks().at(id);
     const auto reference = known.estimate ? poses.find(known.estimate->keyframe) : poses.end();
     if (known.p_map) {
       positions[id] = *known.p_map;
     } else if (reference != poses.end()) {
       positions[id] = reference->second * known.estimate->p_body;
-    } else if (sighting.observation->disparity > 0.0) {
-      positions[id] = seen_at(sighting, stereo);
+    } else if (view.observation->disparity > 0.0) {
+      positions[id] = triangulated(view, stereo);
     }
   }
   return positions;

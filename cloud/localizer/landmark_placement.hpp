@@ -11,9 +11,9 @@ namespace fleetloc {
 
 using LandmarkPositions = std::map<LandmarkId, Eigen::Vector3d>;  ///< p_map [m]
 
-/// Where to start with each landmark that the keyframes of `poses` (T_map_body) saw: at the cloud's
-/// solution, else at the robot's estimate, else where the stereo pair saw it nearest. Landmarks
-/// that only one camera saw and of which the robot says nothing have no position.
+/// Initial position of each landmark that the keyframes of `poses` (T_map_body) observe: the
+/// cloud's solution, else the robot's estimate, else the triangulation of its nearest stereo
+/// observation. Landmarks without any of these are left out.
 LandmarkPositions placed_landmarks(const SessionDatabase& database,
                                    const std::map<KeyframeId, Pose>& poses,
                                    const RectifiedStereo& stereo);

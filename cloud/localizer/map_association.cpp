@@ -35,17 +35,17 @@ bool is_within_gate(const MapMatch& match, double gate_m, double spacing_m, doub
   return d.dot(spread.ldlt().solve(d)) <= sigmas * sigmas;
 }
 
-// Beyond the gate on the far side of the surface: new things may stand before what the map holds,
-// but nothing can be seen through it.
+// Beyond the gate, and behind the surface as seen from the camera. New objects may stand in front
+// of the mapped surfaces, but landmarks behind them cannot be observed.
 bool is_occluded(const MapMatch& nearest, double gate_m) {
   if (!nearest.is_planar) return false;
-  const double viewer = nearest.normal.dot(nearest.landmark.seen_from - nearest.q_map);
+  const double viewer = nearest.normal.dot(nearest.landmark.viewpoint_map - nearest.q_map);
   const double landmark = nearest.normal.dot(nearest.landmark.p_map - nearest.q_map);
   return viewer * landmark < 0.0 && std::abs(landmark) > gate_m;
 }
 
-// Ground says how high it is, and no more. Snow, leaves and grass lift all of it alike, and on a
-// slope a common error of height would pass for a shift along it.
+// Ground constrains height only: snow, leaves and grass raise all of it alike, and on a slope such
+// an error of height would become a horizontal one.
 void make_level(MapMatch& match) {
   match.is_level = true;
   const Eigen::Vector3d& p_map = match.landmark.p_map;
@@ -71,7 +71,7 @@ MapMatch make_match(const WindowLandmark& landmark,
   return match;
 }
 
-// Neighbouring landmarks meet the same errors of the map, so a cell is worth no more than
+// Neighbouring landmarks share the errors of the map, so a cell counts no more than
 // `matches_per_cell` independent matches.
 void cap_information(std::vector<MapMatch>& matches, const AssociationConfig& config) {
   std::map<Cell, int> counts;
@@ -130,9 +130,9 @@ Association associate(const std::vector<WindowLandmark>& landmarks,
                       const LaserMap& map,
                       double gate_m,
                       const AssociationConfig& config,
-                      NearestNeighborCache& memory) {
-  const auto nearest_to = [&memory](const WindowLandmark& landmark, double radius_m) {
-    return memory.nearest(landmark.id, landmark.p_map, radius_m);
+                      NearestNeighborCache& cache) {
+  const auto nearest_to = [&cache](const WindowLandmark& landmark, double radius_m) {
+    return cache.nearest(landmark.id, landmark.p_map, radius_m);
   };
   return associate_by(nearest_to, landmarks, map, gate_m, config);
 }

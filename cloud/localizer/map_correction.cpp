@@ -14,7 +14,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kFarthestMetres = 60.0;  // from the anchor: what a message can hold
+constexpr double kFarthestMetres = 60.0;  // from the anchor: the range of the wire format
 
 using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
@@ -23,7 +23,8 @@ struct Candidate {
   double gain = 0.0;  // of information by the map if the poses were known: the determinants' ratio
 };
 
-// Of a landmark that the robot itself places only roughly, the nearest surface may be another one.
+// Where the robot's own estimate of a landmark is too uncertain, the nearest surface may be a wrong
+// match.
 bool is_placed_by_robot(const WindowSystem::Landmark& landmark, double max_sigma_m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(landmark.H_robot,
                                                              Eigen::EigenvaluesOnly);
@@ -88,8 +89,8 @@ class Covariance {
   int first_;
 };
 
-// The robot's system knows no place in the map: the newest keyframe is held, by which relative
-// quantities lose nothing.
+// The robot's system has no absolute pose (gauge freedom): the newest keyframe is fixed, which does
+// not change relative quantities.
 std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int first) {
   const Eigen::Index held = system.H_robot.rows() - 6;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(system.H_robot.topLeftCorner(held, held));
@@ -142,12 +143,12 @@ Eigen::Matrix3d landmark_covariance(const Covariance& poses,
 // an eigenvector of the gain becomes inflation / gain + 1.
 template <int N>
 Eigen::Matrix<double, N, N> information_to_send(
-    const RelativeKnowledge::Covariances<N>& covariances,
+    const RelativeMarginals::Covariances<N>& covariances,
     const Eigen::Matrix<double, N, 1>& floors,
     double inflation) {
   using Matrix = Eigen::Matrix<double, N, N>;
   const Matrix gained = floors.asDiagonal() *
-                        (covariances.with_map.inverse() - covariances.of_robot.inverse()) *
+                        (covariances.with_map.inverse() - covariances.without_map.inverse()) *
                         floors.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (gained + gained.transpose()));
   const Eigen::Matrix<double, N, 1> weights = eigen.eigenvalues().unaryExpr(
@@ -159,24 +160,24 @@ Eigen::Matrix<double, N, N> information_to_send(
 }  // namespace
 
 template <int N>
-double RelativeKnowledge::Covariances<N>::gain() const {
-  return 0.5 * std::log(of_robot.determinant() / with_map.determinant());
+double RelativeMarginals::Covariances<N>::gain() const {
+  return 0.5 * std::log(without_map.determinant() / with_map.determinant());
 }
-template struct RelativeKnowledge::Covariances<3>;
-template struct RelativeKnowledge::Covariances<6>;
+template struct RelativeMarginals::Covariances<3>;
+template struct RelativeMarginals::Covariances<6>;
 
-std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
+std::optional<RelativeMarginals> relative_marginals(const WindowSystem& system,
                                                     const CorrectionConfig& config) {
   const auto count = static_cast<int>(system.keyframes.size());
   const int first = std::max(0, count - config.keyframes);
   const auto landmarks = candidates(system, first, config);
   int oldest = first;
   for (const auto* landmark : landmarks) oldest = std::min(oldest, oldest_observer(*landmark));
-  const auto of_robot = covariance_of_robot(system, oldest);
+  const auto without_map = covariance_of_robot(system, oldest);
   const auto with_map = covariance_with_map(system, oldest);
-  if (!of_robot || !with_map) return std::nullopt;
+  if (!without_map || !with_map) return std::nullopt;
 
-  RelativeKnowledge result;
+  RelativeMarginals result;
   result.anchor = system.keyframes.back();
   for (int to = first + 1; to < count; ++to) {
     const auto index = static_cast<std::size_t>(to);
@@ -185,7 +186,7 @@ std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
     result.relative_poses.push_back({system.keyframes[index - 1],
                                      system.keyframes[index],
                                      T,
-                                     {relative_covariance(*of_robot, to - 1, to, A),
+                                     {relative_covariance(*without_map, to - 1, to, A),
                                       relative_covariance(*with_map, to - 1, to, A)}});
   }
   const Pose& T_map_anchor = system.T_map_body.back();
@@ -193,19 +194,19 @@ std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
     result.landmarks.push_back(
         {landmark->id,
          inverse(T_map_anchor) * landmark->p_map,
-         {landmark_covariance(*of_robot, *landmark, landmark->H_robot, T_map_anchor),
+         {landmark_covariance(*without_map, *landmark, landmark->H_robot, T_map_anchor),
           landmark_covariance(*with_map, *landmark, landmark->equations.H, T_map_anchor)}});
   }
   return result;
 }
 
-Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionConfig& config) {
+Correction map_correction(const RelativeMarginals& marginals, const CorrectionConfig& config) {
   Correction correction;
-  correction.anchor = knowledge.anchor;
+  correction.anchor = marginals.anchor;
   Vector6d pose_floors;
   pose_floors << Eigen::Vector3d::Constant(config.pose_floor_rad),
       Eigen::Vector3d::Constant(config.pose_floor_m);
-  for (const auto& pair : knowledge.relative_poses) {
+  for (const auto& pair : marginals.relative_poses) {
     if (!(pair.covariances.gain() >= config.min_gain)) continue;
     correction.relative_poses.push_back(
         {pair.from,
@@ -214,8 +215,8 @@ Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionCo
          information_to_send<6>(pair.covariances, pose_floors, config.pose_inflation)});
   }
 
-  std::vector<std::pair<double, const RelativeKnowledge::Landmark*>> chosen;
-  for (const auto& landmark : knowledge.landmarks) {
+  std::vector<std::pair<double, const RelativeMarginals::Landmark*>> chosen;
+  for (const auto& landmark : marginals.landmarks) {
     const double gain = landmark.covariances.gain();
     if (gain >= config.min_gain) chosen.emplace_back(gain, &landmark);
   }

@@ -12,30 +12,29 @@
 namespace fleetloc {
 
 struct CorrectionConfig {
-  int keyframes;                ///< the latest so many are corrected
-  int max_landmarks;            ///< those of which the map says most
+  int keyframes;                ///< number of the latest ones, which are corrected
+  int max_landmarks;            ///< those with the largest information gain
   double max_landmark_sigma_m;  ///< by the robot's measurements, given its poses
-  double min_gain;              ///< an item of which the map says less is not sent [nat]
+  double min_gain;              ///< items with a smaller information gain are not sent [nat]
   double pose_floor_rad;  ///< added to the standard deviations of what is sent: systematic errors
   double pose_floor_m;
   double landmark_floor_m;
-  /// Of the covariances. The items' errors are correlated, and the robot counts them as
-  /// independent: calibrated so that what it makes of all of them together is honest.
+  /// Factor of the covariances. The items' errors are correlated, but the robot takes them as
+  /// independent: calibrated so that its estimate from all of them together is consistent.
   double pose_inflation;
   double landmark_inflation;
 };
 
-/// What is known of relative quantities: by the robot's own measurements alone, and with the map.
-/// Covariances of the errors as stated in Correction. All of them are marginals: the pose of the
-/// window in the map is as uncertain as it is, so that a map that is shifted or turned as a whole
-/// changes nothing.
-struct RelativeKnowledge {
+/// Covariances of relative quantities, from the robot's own measurements alone and with the map; of
+/// the errors as stated in Correction. They are marginals over the window's pose in the map: a
+/// shift or rotation of the whole map has no effect.
+struct RelativeMarginals {
   template <int N>
   struct Covariances {
-    Eigen::Matrix<double, N, N> of_robot = Eigen::Matrix<double, N, N>::Zero();
+    Eigen::Matrix<double, N, N> without_map = Eigen::Matrix<double, N, N>::Zero();
     Eigen::Matrix<double, N, N> with_map = Eigen::Matrix<double, N, N>::Zero();
 
-    /// How much more the map says: half the log of the determinants' ratio [nat].
+    /// Information gain by the map: half the log of the determinants' ratio [nat].
     [[nodiscard]] double gain() const;
   };
   struct RelativePose {
@@ -46,7 +45,7 @@ struct RelativeKnowledge {
   };
   struct Landmark {
     LandmarkId id{};
-    Eigen::Vector3d p_anchor = Eigen::Vector3d::Zero();
+    Eigen::Vector3d p_anchor = Eigen::Vector3d::Zero();  ///< in body at the anchor [m]
     Covariances<3> covariances;
   };
 
@@ -55,16 +54,17 @@ struct RelativeKnowledge {
   std::vector<Landmark> landmarks;           ///< increasing by id
 };
 
-/// Of the latest `config.keyframes` keyframes and the matched landmarks that they see, at most
-/// twice `config.max_landmarks` of these. Other landmarks have nothing from the map but what they
-/// have through the relative poses. Nothing if one of the systems is singular.
-std::optional<RelativeKnowledge> relative_knowledge(const WindowSystem& system,
+/// For the latest `config.keyframes` keyframes and the matched landmarks that they observe, at most
+/// twice `config.max_landmarks` of these. To other landmarks the map adds nothing beyond the
+/// relative poses.
+/// @return nothing if one of the systems is singular
+std::optional<RelativeMarginals> relative_marginals(const WindowSystem& system,
                                                     const CorrectionConfig& config);
 
-/// The items of a correction: values with the map, and the information that only the map has
-/// added. With the values an answer can only draw the robot's estimate towards the cloud's, never
-/// beyond it, however often information is counted.
-Correction map_correction(const RelativeKnowledge& knowledge, const CorrectionConfig& config);
+/// The items of a correction (for e_pp and e_rt; paper, eq. 9 and 10): values with the map, and the
+/// information that only the map has added. So an answer can only pull the robot's estimate towards
+/// the cloud's, never beyond it, however often information is counted.
+Correction map_correction(const RelativeMarginals& marginals, const CorrectionConfig& config);
 
 CorrectionConfig read_correction_config(ConfigReader section);
 

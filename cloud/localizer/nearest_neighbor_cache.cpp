@@ -5,15 +5,15 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kRounding_m = 1e-6;  // far beyond what rounding does to a distance within a map
+constexpr double kRounding_m = 1e-6;  // far above rounding errors of distances within a map
 
 }  // namespace
 
 std::optional<LaserMap::Neighbour> NearestNeighborCache::nearest(LandmarkId landmark,
                                                                  const Eigen::Vector3d& p_map,
                                                                  double radius_m) {
-  const auto found = memories_.find(landmark);
-  if (found != memories_.end()) {
+  const auto found = entries_.find(landmark);
+  if (found != entries_.end()) {
     const auto& [p_then, around] = found->second;
     // No other point is nearer than this, by the triangle inequality.
     const double others_m = around.clear_m - (p_map - p_then).norm() - kRounding_m;
@@ -27,12 +27,12 @@ std::optional<LaserMap::Neighbour> NearestNeighborCache::nearest(LandmarkId land
   }
   ++searches_;
   const LaserMap::Surroundings around = map_->surroundings(p_map, radius_m);
-  memories_.insert_or_assign(landmark, Memory{p_map, around});
+  entries_.insert_or_assign(landmark, Entry{p_map, around});
   return around.nearest;
 }
 
 std::size_t NearestNeighborCache::memory_bytes() const {
-  return memories_.size() * (sizeof(Memory) + sizeof(LandmarkId) + 2 * sizeof(void*));
+  return entries_.size() * (sizeof(Entry) + sizeof(LandmarkId) + 2 * sizeof(void*));
 }
 
 }  // namespace fleetloc

@@ -15,20 +15,20 @@ using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 Eigen::MatrixXd weak_by_body(const Directions& weak,
                              const WindowMotion& motion,
                              const Pose& T_map_body) {
-  return weak.transpose() * motion.by_body(T_map_body).inverse();
+  return weak.transpose() * motion.J_body_motion(T_map_body).inverse();
 }
 
 }  // namespace
 
-PoseBelief PoseAnchor::at(const Pose& T_odom_later,
-                          double travelled_m_later,
-                          const DriftConfig& drift) const {
+PoseWithCovariance PoseAnchor::at(const Pose& T_odom_later,
+                                  double travelled_m_later,
+                                  const DriftConfig& drift) const {
   const Pose step = inverse(T_odom_body) * T_odom_later;
   const Matrix6d A = adjoint(inverse(step));
   const double distance = std::max(step.p.norm(), std::abs(travelled_m_later - travelled_m));
   const double rotation = drift.rotation_rad_per_m * distance;
   const double translation = drift.translation_m_per_m * distance;
-  PoseBelief result{belief.T_map_body * step, A * belief.covariance * A.transpose()};
+  PoseWithCovariance result{estimate.T_map_body * step, A * estimate.covariance * A.transpose()};
   result.covariance.diagonal().head<3>().array() += rotation * rotation;
   result.covariance.diagonal().tail<3>().array() += translation * translation;
   return result;
@@ -36,10 +36,10 @@ PoseBelief PoseAnchor::at(const Pose& T_odom_later,
 
 Matrix6d information_along(const Directions& weak,
                            const WindowMotion& motion,
-                           const PoseBelief& belief,
+                           const PoseWithCovariance& estimate,
                            double min_sigma_m) {
-  const Eigen::MatrixXd W = weak_by_body(weak, motion, belief.T_map_body);
-  Eigen::MatrixXd covariance = W * belief.covariance * W.transpose();
+  const Eigen::MatrixXd W = weak_by_body(weak, motion, estimate.T_map_body);
+  Eigen::MatrixXd covariance = W * estimate.covariance * W.transpose();
   covariance.diagonal().array() += min_sigma_m * min_sigma_m;
   const Matrix6d information = W.transpose() * covariance.inverse() * W;
   return 0.5 * (information + information.transpose());
@@ -47,13 +47,13 @@ Matrix6d information_along(const Directions& weak,
 
 Matrix6d widened_along(const Directions& weak,
                        const WindowMotion& motion,
-                       const PoseBelief& result,
+                       const PoseWithCovariance& result,
                        const Matrix6d& min_covariance) {
   const Eigen::MatrixXd W = weak_by_body(weak, motion, result.T_map_body);
   const Eigen::MatrixXd missing = W * (min_covariance - result.covariance) * W.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(missing);
   const Eigen::MatrixXd U =
-      motion.by_body(result.T_map_body) * weak * eigen.eigenvectors();  // W U = eigenvectors
+      motion.J_body_motion(result.T_map_body) * weak * eigen.eigenvectors();  // W U = eigenvectors
   return result.covariance + U * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * U.transpose();
 }
 

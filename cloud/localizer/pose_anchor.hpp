@@ -12,44 +12,43 @@
 namespace fleetloc {
 
 /// A pose in the map with the covariance of its right perturbation.
-struct PoseBelief {
+struct PoseWithCovariance {
   Pose T_map_body;
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-/// How fast the robot's odometry loses its way: standard deviations per metre of the path.
+/// Drift of the robot's odometry: standard deviations per metre travelled.
 struct DriftConfig {
   double translation_m_per_m;
   double rotation_rad_per_m;
 };
 
-/// What is known about the place of `odom` in the map apart from the window's matches: the start
-/// pose until the session has been localized, then the newest localized keyframe.
+/// The pose in the map from which odometry is dead-reckoned: the start pose until the session has
+/// been localized, then that of the newest localized keyframe.
 struct PoseAnchor {
   std::optional<KeyframeId> keyframe;  ///< none: where the start pose was known
-  Pose T_odom_body;                    ///< there; of that keyframe, when it was localized
-  double travelled_m = 0.0;            ///< of the odometry until then
-  PoseBelief belief;
+  Pose T_odom_body;          ///< the odometry there, as it was when the keyframe was localized
+  double travelled_m = 0.0;  ///< path length of the odometry until then
+  PoseWithCovariance estimate;
 
-  /// Carried by odometry to a later (or earlier) pose of the same session, `travelled_m_later` from
-  /// where the path begins. The drift grows with the path: a loop that comes back is no shorter for
-  /// it.
-  [[nodiscard]] PoseBelief at(const Pose& T_odom_later,
-                              double travelled_m_later,
-                              const DriftConfig& drift) const;
+  /// Dead-reckoned to a later (or earlier) pose of the same session, at path length
+  /// `travelled_m_later` [m]. The drift grows with the path length, also around a closed loop.
+  [[nodiscard]] PoseWithCovariance at(const Pose& T_odom_later,
+                                      double travelled_m_later,
+                                      const DriftConfig& drift) const;
 };
 
-/// The information of `belief`, restricted to the `weak` directions of a motion of the window, for
-/// a prior on its pose. `min_sigma_m` bounds how hard it may hold.
+/// Information of a pose prior that holds only the `weak` directions of a motion of the window,
+/// with the covariance of `estimate` plus `min_sigma_m` squared.
 Matrix6d information_along(const Eigen::Matrix<double, 6, Eigen::Dynamic>& weak,
                            const WindowMotion& motion,
-                           const PoseBelief& belief,
+                           const PoseWithCovariance& estimate,
                            double min_sigma_m);
 
-/// `covariance` of T_map_body, made no smaller along the `weak` directions than `least` is.
+/// Covariance of `result`, raised along the `weak` directions to at least `min_covariance`.
 Matrix6d widened_along(const Eigen::Matrix<double, 6, Eigen::Dynamic>& weak,
                        const WindowMotion& motion,
-                       const PoseBelief& result,
+                       const PoseWithCovariance& result,
                        const Matrix6d& min_covariance);
 
 DriftConfig read_drift_config(ConfigReader section);

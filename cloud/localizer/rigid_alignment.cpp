@@ -11,7 +11,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kMaxScore = 9.0;  // of a landmark: that of three standard sigmas
+constexpr double kMaxScore = 9.0;  // of a landmark: three sigmas, squared
 
 std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int max_count) {
   const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
@@ -27,7 +27,7 @@ std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const P
   const Eigen::Matrix3d R = T_new_old.R.toRotationMatrix();
   for (WindowLandmark& landmark : landmarks) {
     landmark.p_map = R * landmark.p_map + T_new_old.p;
-    landmark.seen_from = R * landmark.seen_from + T_new_old.p;
+    landmark.viewpoint_map = R * landmark.viewpoint_map + T_new_old.p;
     landmark.covariance = R * landmark.covariance * R.transpose();
   }
   return landmarks;
@@ -41,8 +41,8 @@ Pose motion_of(const Eigen::Vector3d& theta,
   return {R, center_map - R * center_map + t};
 }
 
-// The prior itself, and both ways along x, y and yaw of the map.
-std::vector<Pose> starts_around(const PoseBelief& prior, double sigmas) {
+// The prior itself, and both directions along x, y and yaw of the map.
+std::vector<Pose> starts_around(const PoseWithCovariance& prior, double sigmas) {
   const Eigen::Matrix3d R = prior.T_map_body.R.toRotationMatrix();
   const Eigen::Matrix3d rotation = R * prior.covariance.topLeftCorner<3, 3>() * R.transpose();
   const Eigen::Matrix3d position = R * prior.covariance.bottomRightCorner<3, 3>() * R.transpose();
@@ -87,7 +87,7 @@ void add_match(const MapMatch& match,
     const double error = direction.dot(d);
     const double sigmas = error / (config.kernel * std::sqrt(variance));
     const double robust = 1.0 / (1.0 + sigmas * sigmas);
-    const bool is_before = error * direction.dot(match.landmark.seen_from - match.q_map) > 0.0;
+    const bool is_before = error * direction.dot(match.landmark.viewpoint_map - match.q_map) > 0.0;
     const double likely = match.is_level && is_before ? config.lifted_weight : 1.0;
     s.add(direction, arm, error, likely * robust / variance);
   };
@@ -98,7 +98,7 @@ void add_match(const MapMatch& match,
 }  // namespace
 
 Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
-                           const PoseBelief& prior,
+                           const PoseWithCovariance& prior,
                            const Gates& gates,
                            const std::optional<Pose>& guess) const {
   if (landmarks.empty()) return Pose{};
@@ -112,7 +112,7 @@ Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
 }
 
 RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark>& landmarks,
-                                                const PoseBelief& prior,
+                                                const PoseWithCovariance& prior,
                                                 const Gates& gates,
                                                 const Pose& start) const {
   const Matrix6d prior_information = prior.covariance.inverse();
@@ -128,7 +128,7 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
       add_match(match, motion.center_map, config_, system);
     }
     const Vector6d error = local_coordinates(prior.T_map_body, T_map_body);
-    const Matrix6d J = right_jacobian_inverse_se3(error) * motion.by_body(T_map_body);
+    const Matrix6d J = right_jacobian_inverse_se3(error) * motion.J_body_motion(T_map_body);
     system.H += J.transpose() * prior_information * J;
     system.g += J.transpose() * prior_information * error;
     const Vector6d step = -system.H.ldlt().solve(system.g);
@@ -140,11 +140,11 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
 }
 
 double RigidAlignment::score(const std::vector<WindowLandmark>& landmarks,
-                             const PoseBelief& prior,
+                             const PoseWithCovariance& prior,
                              double gate_m,
                              const Pose& T_new_old) const {
   const Association found = associate(moved(landmarks, T_new_old), map_, gate_m, association_);
-  // What is under the ground speaks against a place, what is nowhere does not speak for it.
+  // A landmark without a match costs the maximum, one below ground twice that.
   double sum = kMaxScore * (static_cast<double>(found.eligible + found.below_ground) -
                             static_cast<double>(found.matches.size()));
   for (const MapMatch& match : found.matches) {

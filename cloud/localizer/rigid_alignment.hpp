@@ -11,16 +11,16 @@
 namespace fleetloc {
 
 /// Moves the window as one rigid body onto the map, for poses that are known too roughly for the
-/// association of single landmarks to be trusted: iterated closest points from several starts
-/// around a prior, of which the best is taken.
+/// association of single landmarks to be trusted: iterative closest point (ICP) from several starts
+/// around a prior, of which the best result is taken.
 class RigidAlignment {
  public:
   struct Config {
     int iterations;        ///< of each start
-    int max_landmarks;     ///< evenly out of those there are
+    int max_landmarks;     ///< evenly sampled from all
     double start_sigmas;   ///< distance of the starts from the prior, in its sigmas
-    double kernel;         ///< Cauchy, in standard sigmas
-    double lifted_weight;  ///< of landmarks before level ground, as snow lifts it
+    double kernel;         ///< Cauchy, in standard deviations
+    double lifted_weight;  ///< of landmarks above level ground, as on snow
   };
   struct Gates {
     double first_m;
@@ -30,11 +30,11 @@ class RigidAlignment {
   RigidAlignment(const LaserMap& map, const AssociationConfig& association, const Config& config)
       : map_(map), association_(association), config_(config) {}
 
-  /// @param prior  of one keyframe of the window, at its present pose
+  /// @param prior  of one keyframe of the window, at its present estimate
   /// @param guess  another start, as T_new_old
   /// @return T_new_old in the map: x_map is to become T_new_old * x_map
   [[nodiscard]] Pose align(const std::vector<WindowLandmark>& landmarks,
-                           const PoseBelief& prior,
+                           const PoseWithCovariance& prior,
                            const Gates& gates,
                            const std::optional<Pose>& guess = std::nullopt) const;
 
@@ -45,11 +45,11 @@ class RigidAlignment {
   };
 
   [[nodiscard]] Aligned descend(const std::vector<WindowLandmark>& landmarks,
-                                const PoseBelief& prior,
+                                const PoseWithCovariance& prior,
                                 const Gates& gates,
                                 const Pose& start) const;
   [[nodiscard]] double score(const std::vector<WindowLandmark>& landmarks,
-                             const PoseBelief& prior,
+                             const PoseWithCovariance& prior,
                              double gate_m,
                              const Pose& T_new_old) const;
 

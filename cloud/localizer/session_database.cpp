@@ -16,7 +16,7 @@ KeyframeId beyond(KeyframeId id, int count) {
   return KeyframeId{static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, UINT32_MAX))};
 }
 
-// The newest keyframe of `submap` that saw `landmark`; if none did, the newest.
+// The newest keyframe of `submap` that observes `landmark`; if none does, the newest.
 const SubmapKeyframe& reference_of(LandmarkId landmark, const Submap& submap) {
   const auto newest = std::find_if(
       submap.keyframes.rbegin(), submap.keyframes.rend(), [&](const SubmapKeyframe& keyframe) {
@@ -47,7 +47,7 @@ void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
     ++added.repeated;
     return;
   }
-  unseen_landmarks_ = unseen_landmarks_ || !is_new;
+  unobserved_landmarks_ = unobserved_landmarks_ || !is_new;
   place->second.item = item;
   for (const StereoObservation& seen : item.observations) landmarks_.try_emplace(seen.landmark);
   ++added.stored;
@@ -88,10 +88,10 @@ void SessionDatabase::forget_behind_window() {
   while (keyframes_.size() > window) {
     keyframes_.erase(keyframes_.begin());
     horizon_ = keyframes_.begin()->first;
-    unseen_landmarks_ = true;
+    unobserved_landmarks_ = true;
   }
-  if (!unseen_landmarks_) return;
-  unseen_landmarks_ = false;
+  if (!unobserved_landmarks_) return;
+  unobserved_landmarks_ = false;
   std::erase_if(edges_, [this](const auto& entry) { return entry.second.from < horizon_; });
 
   std::vector<LandmarkId> seen;
@@ -118,7 +118,7 @@ const VirtualEdge* SessionDatabase::edge_into(KeyframeId to) const {
   return nullptr;
 }
 
-// The edges of edge_into() make a forest; wanted is the tree that the newest keyframe stands in.
+// The edges of edge_into() form a forest; the window is the tree of the newest keyframe.
 std::vector<KeyframeId> SessionDatabase::window() const {
   std::map<KeyframeId, KeyframeId> root;
   for (const auto& [id, keyframe] : keyframes_) {

@@ -13,10 +13,11 @@
 
 namespace fleetloc {
 
-/// What one robot has told in one session, and the cloud's solution for it. Items are known by
-/// their ids: of two revisions the newer one wins, and nothing is counted twice.
+/// The keyframes, observations, landmarks and edges that one robot has sent in one session, and the
+/// cloud's solution for them. Items are identified by their ids: the newer revision replaces the
+/// older one, and nothing is counted twice.
 ///
-/// Bounded: what lies behind the latest `window` keyframes is forgotten.
+/// Bounded: what is older than the latest `window` keyframes is removed.
 class SessionDatabase {
  public:
   struct Config {
@@ -30,7 +31,7 @@ class SessionDatabase {
 
   struct Landmark {
     /// The robot's estimate, relative to a keyframe of the same submap: it stays valid however
-    /// `odom` moves. Nothing if the robot sent none, or if the keyframe is forgotten.
+    /// `odom` moves. Nothing if the robot sent none, or if the keyframe was removed.
     struct Estimate {
       KeyframeId keyframe{};
       Eigen::Vector3d p_body = Eigen::Vector3d::Zero();
@@ -39,11 +40,11 @@ class SessionDatabase {
     std::optional<Eigen::Vector3d> p_map;  ///< the cloud's solution
   };
 
-  /// What became of the items of a submap.
+  /// Counts of the items of a submap, by what became of them.
   struct Added {
     int stored = 0;    ///< new, or a newer revision
     int repeated = 0;  ///< known already
-    int stale = 0;     ///< behind the window
+    int stale = 0;     ///< older than the window
     friend auto operator<=>(const Added&, const Added&) = default;
   };
 
@@ -66,15 +67,16 @@ class SessionDatabase {
   /// span the same IMU samples and would count them twice. Null if there is none.
   [[nodiscard]] const VirtualEdge* edge_into(KeyframeId to) const;
 
-  /// Poses in the map for the keyframes of `window`: the cloud's solution where there is one; from
-  /// there along the edges; by `T_map_odom` where no solved keyframe is connected.
+  /// Poses in the map for the keyframes of `window`: the cloud's solution where there is one, else
+  /// chained along the edges from a solved keyframe, else by `T_map_odom` where no solved keyframe
+  /// is connected.
   [[nodiscard]] std::map<KeyframeId, Pose> placed(const std::vector<KeyframeId>& window,
                                                   const Pose& T_map_odom) const;
 
   void store_solution(KeyframeId id, const Pose& T_map_body);
   void store_solution(LandmarkId id, const Eigen::Vector3d& p_map);
 
-  /// About what is held in memory.
+  /// Approximate.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -89,8 +91,8 @@ class SessionDatabase {
   std::map<KeyframeId, Keyframe> keyframes_;
   std::map<EdgeKey, VirtualEdge> edges_;
   std::map<LandmarkId, Landmark> landmarks_;  // of the observations of keyframes_
-  KeyframeId horizon_{};                      // what is older has been forgotten
-  bool unseen_landmarks_ = false;             // there may be landmarks that no keyframe observes
+  KeyframeId horizon_{};                      // what is older has been removed
+  bool unobserved_landmarks_ = false;         // there may be landmarks that no keyframe observes
 };
 
 }  // namespace fleetloc

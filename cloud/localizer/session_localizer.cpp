@@ -34,7 +34,7 @@ std::optional<PoseAnchor> anchor_at_start(const RobotSession& session) {
       .keyframe = std::nullopt,
       .T_odom_body = T_odom_known,
       .travelled_m = 0.0,
-      .belief = {start.T_map_odom * T_odom_known, A * start.covariance * A.transpose()}};
+      .estimate = {start.T_map_odom * T_odom_known, A * start.covariance * A.transpose()}};
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ void SessionLocalizer::add(const Submap& submap) {
   measure_path();
 }
 
-// From each new keyframe to the one before it; to the first one on a straight line.
+// Path length up to each new keyframe, on straight lines.
 void SessionLocalizer::measure_path() {
   for (const auto& [id, keyframe] : database_.keyframes()) {
     const auto next = path_.lower_bound(id);
@@ -91,7 +91,7 @@ LocalizationResult SessionLocalizer::localize() {
   answer.revision = newest.revision;
   answer.stamp = newest.stamp;
   answer.map_hash = map_->info().hash;
-  PoseBelief result;
+  PoseWithCovariance result;
   answer.status = localize_window(window, result);
   if (answer.status != LocalizationStatus::kLocalized) {
     system_.reset();
@@ -109,63 +109,63 @@ LocalizationResult SessionLocalizer::localize() {
 
 std::optional<Correction> SessionLocalizer::correction() const {
   if (!system_) return std::nullopt;
-  const auto knowledge = relative_knowledge(*system_, config_.corrections);
-  if (!knowledge) return std::nullopt;
-  Correction correction = map_correction(*knowledge, config_.corrections);
+  const auto marginals = relative_marginals(*system_, config_.corrections);
+  if (!marginals) return std::nullopt;
+  Correction correction = map_correction(*marginals, config_.corrections);
   if (correction.relative_poses.empty() && correction.landmarks.empty()) return std::nullopt;
   return correction;
 }
 
-// The pose and, without the floors, its covariance.
+// Sets the pose and, without the floors, its covariance.
 LocalizationStatus SessionLocalizer::localize_window(const std::vector<KeyframeId>& window,
-                                                     PoseBelief& result) {
+                                                     PoseWithCovariance& result) {
   using enum LocalizationStatus;
   if (!anchor_) return kNoStartPose;
   if (diagnostics_.keyframes < config_.acceptance.min_keyframes) return kTooFewKeyframes;
-  const Pose T_map_odom = anchor_->belief.T_map_body * inverse(anchor_->T_odom_body);
+  const Pose T_map_odom = anchor_->estimate.T_map_body * inverse(anchor_->T_odom_body);
   problem_.synchronize(database_, database_.placed(window, T_map_odom));
   nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
   diagnostics_.observations = problem_.observations();
 
   const PosePrior pose_prior = pose_prior_of(window);
-  diagnostics_.gate_m = gate_for(pose_prior.belief);
+  diagnostics_.gate_m = gate_for(pose_prior.estimate);
   if (diagnostics_.gate_m > config_.rounds.tracking_gate_m) align(pose_prior);
   if (const auto status = optimize(pose_prior); status != kLocalized) return status;
   measure_fit();
   return check_result(pose_prior, result);
 }
 
-// Before the first localization, and after the localized keyframe has left the window, the prior
-// is carried to the window's oldest keyframe.
+// At the keyframe localized last; before the first localization, or once that keyframe has left the
+// window, dead-reckoned to the window's oldest keyframe.
 SessionLocalizer::PosePrior SessionLocalizer::pose_prior_of(
     const std::vector<KeyframeId>& window) const {
   if (anchor_->keyframe && std::ranges::binary_search(window, *anchor_->keyframe)) {
-    return {*anchor_->keyframe, anchor_->belief};
+    return {*anchor_->keyframe, anchor_->estimate};
   }
   return {window.front(), predicted(window.front())};
 }
 
-// What odometry says since the anchor.
-PoseBelief SessionLocalizer::predicted(KeyframeId keyframe) const {
+// Dead-reckoned from the anchor.
+PoseWithCovariance SessionLocalizer::predicted(KeyframeId keyframe) const {
   const Pose& T_odom_body = database_.keyframe(keyframe).item.T_odom_body;
   return anchor_->at(T_odom_body, path_.at(keyframe).travelled_m, config_.drift);
 }
 
-// Wherever the robot is, it is within reach in the end.
+// Grows with each rejection, so that no pose is locked out for ever.
 double SessionLocalizer::innovation_gate() const {
   const auto& limits = config_.acceptance;
   return limits.innovation_gate_sigmas * (1.0 + limits.innovation_gate_growth * refused_in_a_row_);
 }
 
-// How far the landmarks may be from where they seem to be.
-double SessionLocalizer::gate_for(const PoseBelief& belief) const {
+// By the uncertainty of the landmarks in the map that follows from that of the pose.
+double SessionLocalizer::gate_for(const PoseWithCovariance& estimate) const {
   std::vector<double> distances;
   for (const auto& [id, p_map] : problem_.positions()) {
-    distances.push_back((p_map - belief.T_map_body.p).norm());
+    distances.push_back((p_map - estimate.T_map_body.p).norm());
   }
   const double turned = percentile(std::move(distances), 0.5).value_or(0.0) *
-                        max_sigma(belief.covariance.topLeftCorner<3, 3>());
-  const double shifted = max_sigma(belief.covariance.bottomRightCorner<3, 3>());
+                        max_sigma(estimate.covariance.topLeftCorner<3, 3>());
+  const double shifted = max_sigma(estimate.covariance.bottomRightCorner<3, 3>());
   const auto& rounds = config_.rounds;
   return std::clamp(rounds.gate_sigmas * std::hypot(turned, shifted),
                     rounds.tracking_gate_m,
@@ -174,11 +174,12 @@ double SessionLocalizer::gate_for(const PoseBelief& belief) const {
 
 void SessionLocalizer::align(const PosePrior& pose_prior) {
   const RigidAlignment::Gates gates{diagnostics_.gate_m, config_.rounds.final_gate_m};
-  const PoseBelief prior{problem_.pose(pose_prior.keyframe), pose_prior.belief.covariance};
+  const PoseWithCovariance prior{problem_.pose(pose_prior.keyframe),
+                                 pose_prior.estimate.covariance};
   std::optional<Pose> guess;
-  if (start_.last_place()) {
+  if (start_.last_T_map_odom()) {
     const Pose& T_odom_body = database_.keyframe(pose_prior.keyframe).item.T_odom_body;
-    guess = *start_.last_place() * T_odom_body * inverse(prior.T_map_body);
+    guess = *start_.last_T_map_odom() * T_odom_body * inverse(prior.T_map_body);
   }
   problem_.move(alignment_.align(problem_.landmarks(), prior, gates, guess));
   diagnostics_.aligned = true;
@@ -227,18 +228,18 @@ LocalizationStatus SessionLocalizer::run_round(const PosePrior& pose_prior, doub
   return solved.is_usable ? kLocalized : kNotConverged;
 }
 
-// The start pose counts in every direction, until there is a solution that includes it; a pose
-// found before only where the map does not tell.
+// Until the first solution the start pose is a prior in all directions; afterwards the pose found
+// before is one along weak directions only.
 void SessionLocalizer::set_prior(const PosePrior& pose_prior) {
   problem_.clear_prior();
   const double min_sigma_m = config_.covariance_inflation.min_prior_sigma_m;
   if (!anchor_->keyframe) {
-    const Matrix6d information = pose_prior.belief.covariance.inverse();
-    problem_.set_prior(pose_prior.keyframe, pose_prior.belief.T_map_body, information);
+    const Matrix6d information = pose_prior.estimate.covariance.inverse();
+    problem_.set_prior(pose_prior.keyframe, pose_prior.estimate.T_map_body, information);
   } else if (constraint_.weak.cols() > 0) {
     const Matrix6d information =
-        information_along(constraint_.weak, constraint_.motion, pose_prior.belief, min_sigma_m);
-    problem_.set_prior(pose_prior.keyframe, pose_prior.belief.T_map_body, information);
+        information_along(constraint_.weak, constraint_.motion, pose_prior.estimate, min_sigma_m);
+    problem_.set_prior(pose_prior.keyframe, pose_prior.estimate.T_map_body, information);
   }
 }
 
@@ -254,7 +255,8 @@ void SessionLocalizer::measure_fit() {
   diagnostics_.median_residual = percentile(std::move(residuals), 0.5).value_or(0.0);
 }
 
-LocalizationStatus SessionLocalizer::check_result(const PosePrior& pose_prior, PoseBelief& result) {
+LocalizationStatus SessionLocalizer::check_result(const PosePrior& pose_prior,
+                                                  PoseWithCovariance& result) {
   using enum LocalizationStatus;
   const auto& limits = config_.acceptance;
   const SubmapKeyframe& newest = database_.newest().item;
@@ -263,7 +265,7 @@ LocalizationStatus SessionLocalizer::check_result(const PosePrior& pose_prior, P
   if (diagnostics_.median_residual > limits.max_median_residual) return kPoorFit;
   if (is_under_ground()) return kPoorFit;
 
-  PoseBelief expected = predicted(newest.id);
+  PoseWithCovariance expected = predicted(newest.id);
   expected.covariance += diagonal(limits.innovation_floor_rad, limits.innovation_floor_m);
   const Vector6d moved = local_coordinates(expected.T_map_body, result.T_map_body);
   diagnostics_.moved_sigmas = std::sqrt(moved.dot(expected.covariance.ldlt().solve(moved)));
@@ -286,30 +288,31 @@ LocalizationStatus SessionLocalizer::check_result(const PosePrior& pose_prior, P
 
 // Along weak directions the answer is as uncertain as the prior grown by the odometry since; false
 // if that is too much.
-bool SessionLocalizer::add_weak_directions(const PosePrior& pose_prior, PoseBelief& result) const {
+bool SessionLocalizer::add_weak_directions(const PosePrior& pose_prior,
+                                           PoseWithCovariance& result) const {
   if (constraint_.weak.cols() == 0) return true;
   const KeyframeId newest = database_.newest().item.id;
   const std::optional<Matrix6d> growth = problem_.covariance_from(pose_prior.keyframe, newest);
   if (!growth) return false;
   const Pose step = inverse(problem_.pose(pose_prior.keyframe)) * result.T_map_body;
   const Matrix6d A = adjoint(inverse(step));
-  const Matrix6d min_covariance = A * pose_prior.belief.covariance * A.transpose() + *growth;
+  const Matrix6d min_covariance = A * pose_prior.estimate.covariance * A.transpose() + *growth;
   result.covariance = widened_along(constraint_.weak, constraint_.motion, result, min_covariance);
-  const Matrix6d J = constraint_.motion.by_body(result.T_map_body).inverse();
+  const Matrix6d J = constraint_.motion.J_body_motion(result.T_map_body).inverse();
   const Eigen::MatrixXd weak = constraint_.weak.transpose() * J;
   const Eigen::MatrixXd covariance = weak * result.covariance * weak.transpose();
   const double worst = covariance.diagonal().maxCoeff();
   return worst <= config_.acceptance.max_weak_sigma_m * config_.acceptance.max_weak_sigma_m;
 }
 
-void SessionLocalizer::store(const PoseBelief& result) {
+void SessionLocalizer::store(const PoseWithCovariance& result) {
   for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
   for (const auto& [id, p_map] : problem_.positions()) database_.store_solution(id, p_map);
   const SubmapKeyframe& newest = database_.newest().item;
   anchor_ = {.keyframe = newest.id,
              .T_odom_body = newest.T_odom_body,
              .travelled_m = path_.at(newest.id).travelled_m,
-             .belief = result};
+             .estimate = result};
   refused_in_a_row_ = 0;
 }
 

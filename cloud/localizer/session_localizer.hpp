@@ -22,22 +22,22 @@
 
 namespace fleetloc {
 
-/// What one localization did.
+/// Diagnostics of one localization.
 struct LocalizationDiagnostics {
   int keyframes = 0;     ///< in the window
   int landmarks = 0;     ///< in the window
   int observations = 0;  ///< of them
   int eligible = 0;      ///< landmarks known well enough to be matched
-  int covered = 0;       ///< of these, on mapped ground
+  int covered = 0;       ///< of these, with the map around them
   int level = 0;         ///< of the matches, on level surfaces
-  int occluded = 0;      ///< of these, seen through a surface of the map
-  int below_ground = 0;  ///< of these, under level ground
+  int occluded = 0;      ///< see Association
+  int below_ground = 0;  ///< see Association
   int matches = 0;       ///< of these, in the last round
   int planar_matches = 0;
   int rounds = 0;                ///< of association and optimization
   int iterations = 0;            ///< of all rounds
   double gate_m = 0.0;           ///< of the first round, or of the alignment before it
-  bool aligned = false;          ///< the window was moved as one body first
+  bool aligned = false;          ///< the window was aligned as one rigid body first
   double cost = 0.0;             ///< E_loc at the end
   double median_residual = 0.0;  ///< of the matches, in standard deviations
   double moved_sigmas = 0.0;     ///< Mahalanobis distance from what odometry predicted
@@ -46,9 +46,9 @@ struct LocalizationDiagnostics {
 };
 
 /// One session of one robot: collects its submaps and localizes its newest keyframe in the laser
-/// map. The window's older keyframes and their matches carry the position from one submap to the
-/// next. What leaves the window is dropped, not marginalized: the map itself constrains what stays.
-/// Only where the map does not, a prior at the newest keyframe localized so far holds the window.
+/// map. The window's older keyframes and their matches carry the pose from one submap to the next.
+/// What leaves the window is dropped, not marginalized: the map itself constrains what stays.
+/// Directions that the map does not constrain are held by a prior at the newest localized keyframe.
 ///
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
@@ -57,30 +57,29 @@ class SessionLocalizer {
     double final_gate_m;
     double tracking_gate_m;  ///< of the first round, once the pose is known
     double widest_gate_m;    ///< of the alignment, however uncertain the prior
-    double gate_sigmas;      ///< of the prior, that the first gate spans
+    double gate_sigmas;      ///< width of the first gate, in sigmas of the prior
     double shrink;           ///< of the gate from round to round
     int max_rounds;
     int iterations;    ///< of the solver, in each round
-    double settled_m;  ///< a round at the final gate that moves less is the last one
+    double settled_m;  ///< converged: a round at the final gate moved less
   };
   struct Acceptance {
     int min_keyframes;
     int min_matches;
     double min_covered_share;  ///< of the eligible landmarks
     double min_agreement;      ///< matched share of the landmarks that are not on the ground
-    /// Of a first localization that needs no confirmation: the same, at least so many of them, and
-    /// the matched share of all landmarks, less the share that is off the map, less twice the
-    /// share that would be seen through its surfaces.
+    /// A first localization needs no confirmation if the matched share of the landmarks off the
+    /// ground is at least this,
     double confident_agreement;
-    int confident_matches;
-    double confident_balance;
+    int confident_matches;          ///< by at least this many matches, and
+    double confident_balance;       ///< (matched - unmapped - 2 occluded) / eligible at least this
     double max_below_ground_share;  ///< of the landmarks on or under level ground
     double max_median_residual;     ///< of the matches, in standard deviations
     double innovation_gate_sigmas;  ///< from what odometry predicts
-    double innovation_floor_m;      ///< added to that prediction's deviations
+    double innovation_floor_m;      ///< added to the sigmas of that prediction
     double innovation_floor_rad;
-    double innovation_gate_growth;  ///< of the gate, with each answer in a row refused for it alone
-    double max_weak_sigma_m;        ///< of the answer, along what the map does not pose_prior
+    double innovation_gate_growth;  ///< relative, with each answer in a row that it alone rejects
+    double max_weak_sigma_m;        ///< of the answer, along weak directions
   };
   struct CovarianceInflation {
     double scale;    ///< of the standard deviations that the system states
@@ -113,7 +112,7 @@ class SessionLocalizer {
   /// rejection leaves the stored solution as it was.
   LocalizationResult localize();
 
-  /// What the map has added to the robot's own knowledge of its latest keyframes. Nothing unless
+  /// What the map has added to the robot's own estimate of its latest keyframes. Nothing unless
   /// localize() has just localized, or if the map added nothing. Robot, session, localizer and
   /// incarnation are the caller's.
   [[nodiscard]] std::optional<Correction> correction() const;
@@ -122,15 +121,15 @@ class SessionLocalizer {
   [[nodiscard]] const std::optional<WindowSystem>& system() const { return system_; }
   [[nodiscard]] const LocalizationDiagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] const SessionDatabase& database() const { return database_; }
-  /// What add() has made of the items so far.
+  /// Counts of all items since the start.
   [[nodiscard]] const SessionDatabase::Added& added() const { return added_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // Where the prior holds the window.
+  // The prior on one pose of the window.
   struct PosePrior {
     KeyframeId keyframe{};
-    PoseBelief belief;
+    PoseWithCovariance estimate;
   };
 
   struct PathPoint {
@@ -139,22 +138,23 @@ class SessionLocalizer {
   };
 
   void measure_path();
-  LocalizationStatus localize_window(const std::vector<KeyframeId>& window, PoseBelief& result);
+  LocalizationStatus localize_window(const std::vector<KeyframeId>& window,
+                                     PoseWithCovariance& result);
   [[nodiscard]] PosePrior pose_prior_of(const std::vector<KeyframeId>& window) const;
   void align(const PosePrior& pose_prior);
   LocalizationStatus optimize(const PosePrior& pose_prior);
   LocalizationStatus run_round(const PosePrior& pose_prior, double gate_m);
   void set_prior(const PosePrior& pose_prior);
-  [[nodiscard]] double gate_for(const PoseBelief& belief) const;
+  [[nodiscard]] double gate_for(const PoseWithCovariance& estimate) const;
   void measure_fit();
   [[nodiscard]] LocalizationStatus check_matches() const;
   [[nodiscard]] bool is_under_ground() const;
   [[nodiscard]] bool is_confident() const;
-  LocalizationStatus check_result(const PosePrior& pose_prior, PoseBelief& result);
+  LocalizationStatus check_result(const PosePrior& pose_prior, PoseWithCovariance& result);
   [[nodiscard]] double innovation_gate() const;
-  [[nodiscard]] PoseBelief predicted(KeyframeId keyframe) const;
-  bool add_weak_directions(const PosePrior& pose_prior, PoseBelief& result) const;
-  void store(const PoseBelief& result);
+  [[nodiscard]] PoseWithCovariance predicted(KeyframeId keyframe) const;
+  bool add_weak_directions(const PosePrior& pose_prior, PoseWithCovariance& result) const;
+  void store(const PoseWithCovariance& result);
 
   std::shared_ptr<const LaserMap> map_;
   Config config_;

@@ -1,4 +1,4 @@
-// What the matches of a window say of the place where they were found.
+// Acceptance of a localization by its matches.
 #include <algorithm>
 #include <cmath>
 
@@ -23,14 +23,14 @@ LocalizationStatus SessionLocalizer::check_matches() const {
   return matches >= acceptance.min_matches && agree ? kLocalized : kTooFewMatches;
 }
 
-// Snow and leaves lift the ground that most landmarks are on, but nothing lowers what is left of
-// it: a window that fits the snow has the cleared ways under the ground.
+// Snow and leaves raise the ground that most landmarks are on, but nothing lowers it: in a window
+// that was aligned to the snow, landmarks of cleared paths are below ground.
 bool SessionLocalizer::is_under_ground() const {
   const int ground = association_.level + association_.below_ground;
   return association_.below_ground > config_.acceptance.max_below_ground_share * ground;
 }
 
-// A wrong start often finds surfaces to match, but not without contradicting others.
+// A wrong pose often has matches, but also landmarks off the map or occluded by it.
 bool SessionLocalizer::is_confident() const {
   const auto& acceptance = config_.acceptance;
   const auto matched = static_cast<double>(association_.matches.size());

@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// Memory for parameter blocks at addresses that stay, of which the lowest free one is handed out:
-/// the order of the blocks' addresses depends on nothing but the calls.
+/// Memory for parameter blocks at fixed addresses. The lowest free block is handed out, so that the
+/// order of the addresses depends on the calls alone.
 class SlotPool {
  public:
   /// @param block_size  doubles in each of `count` blocks

@@ -8,10 +8,11 @@ bool StartConfirmation::take(const Pose& T_map_body,
                              bool is_confident) {
   if (confirmed_) return true;
   const bool stays =
-      place_ && ((place_->T_map_odom * T_odom_body).p - T_map_body.p).norm() <= config_.tolerance_m;
+      candidate_ &&
+      ((candidate_->T_map_odom * T_odom_body).p - T_map_body.p).norm() <= config_.tolerance_m;
   last_T_map_odom_ = T_map_body * inverse(T_odom_body);
-  if (!stays) place_ = {*last_T_map_odom_, travelled_m};
-  confirmed_ = is_confident || travelled_m - place_->travelled_m >= config_.path_m;
+  if (!stays) candidate_ = {*last_T_map_odom_, travelled_m};
+  confirmed_ = is_confident || travelled_m - candidate_->travelled_m >= config_.path_m;
   if (confirmed_) last_T_map_odom_.reset();
   return confirmed_;
 }

@@ -6,9 +6,9 @@
 
 namespace fleetloc {
 
-/// Roll and pitch measured against gravity, whitened: how far the map's z axis, seen in body, is
-/// from the measured direction upwards, along two axes normal to that direction. It says nothing
-/// about yaw and position. Parameters: T_map_body (7).
+/// Roll and pitch measured against gravity, whitened: difference of the map's z axis, in body, from
+/// the measured direction upwards, along two axes normal to that direction. Yaw and position are
+/// not constrained. Parameters: T_map_body (7).
 class TiltFactor final : public ceres::SizedCostFunction<2, 7> {
  public:
   /// @param up_body  unit vector against gravity, in body

@@ -73,8 +73,8 @@ void WindowProblem::remove_edges(const SessionDatabase& database,
   });
 }
 
-// Residuals go before the parameters they hang on: Ceres would remove them in the order of their
-// addresses.
+// Residual blocks are removed before their parameter blocks: Ceres would remove them in the order
+// of their addresses.
 void WindowProblem::remove_keyframes(const SessionDatabase& database,
                                      const std::map<KeyframeId, Pose>& poses) {
   for (auto node = keyframes_.begin(); node != keyframes_.end();) {

@@ -22,8 +22,9 @@ namespace fleetloc {
 
 class SlotPool;
 
-/// E_loc over one window (paper, eq. 16): stereo reprojection, virtual odometry, map matches, the
-/// tilt of the oldest keyframe and at most one pose prior, over poses and landmarks in `map`.
+/// E_loc over one window (paper, eq. 16): stereo reprojection (eq. 1), virtual odometry, map
+/// matches (eq. 13 and 14), the tilt of the oldest keyframe and at most one pose prior, over poses
+/// and landmarks in `map`.
 ///
 /// The problem lives on between submaps: synchronize() takes out what left the window and puts in
 /// what is new. Ceres orders parameters by their addresses, so they lie in pools with fixed slots:
@@ -36,8 +37,8 @@ class WindowProblem {
     double map_kernel;           ///< Cauchy, in standard deviations
     bool use_tilt;               ///< roll and pitch of the oldest keyframe
     double map_tilt_sigma_rad;   ///< of the map's z axis against gravity
-    int max_landmarks;           ///< those beyond it are left out
-    double min_decrease;  ///< a step that lowers the cost by a smaller share of it is the last
+    int max_landmarks;           ///< further ones are left out
+    double min_decrease;         ///< relative; a step that lowers the cost by less is the last
   };
 
   struct Solved {
@@ -51,8 +52,8 @@ class WindowProblem {
   WindowProblem(const WindowProblem&) = delete;
   WindowProblem& operator=(const WindowProblem&) = delete;
 
-  /// Makes the problem that of the keyframes of `poses` (T_map_body), without map matches of
-  /// landmarks that left, and without a prior. Landmarks start as placed_landmarks() says.
+  /// Updates the problem to the keyframes of `poses` (T_map_body): matches of landmarks that left
+  /// are removed, and so is the prior. New landmarks start at placed_landmarks().
   void synchronize(const SessionDatabase& database, const std::map<KeyframeId, Pose>& poses);
 
   void set_matches(const std::vector<MapMatch>& matches);

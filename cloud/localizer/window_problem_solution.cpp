@@ -127,7 +127,7 @@ std::vector<WindowLandmark> WindowProblem::landmarks() const {
       if (keyframe.factors[i] == nullptr) continue;
       const StereoObservation& seen = keyframe.observations[i];
       WindowLandmark& landmark = landmarks.at(seen.landmark);
-      landmark.seen_from = T_map_cam0.p;
+      landmark.viewpoint_map = T_map_cam0.p;
       landmark.covariance +=
           position_information(seen, stereo_, T_cam0_map, landmark.p_map, config_.pixel_sigma_px);
     }

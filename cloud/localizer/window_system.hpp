@@ -14,9 +14,8 @@
 namespace fleetloc {
 
 /// E_loc linearized at the window's present values, landmarks eliminated: once with everything, and
-/// once with only what the robot measures of relative quantities (its edges and observations). The
-/// tilt is the robot's as well, but alone it tells nothing of them: it fixes two of the directions
-/// in which the window moves as a whole.
+/// once with only the relative measurements of the robot (its edges and observations). The tilt is
+/// measured by the robot as well, but it constrains only the attitude of the window as a whole.
 struct WindowSystem {
   struct Landmark {
     LandmarkId id{};
@@ -29,8 +28,8 @@ struct WindowSystem {
   std::vector<KeyframeId> keyframes;  ///< oldest first
   std::vector<Pose> T_map_body;
   Eigen::LLT<Eigen::MatrixXd> cholesky;  ///< of the whole system, right perturbations of the poses
-  Eigen::MatrixXd H_robot;               ///< the robot's alone: singular, since it knows no map
-  std::vector<Landmark> landmarks;       ///< increasing by id
+  Eigen::MatrixXd H_robot;  ///< of the robot's factors alone: singular, since its gauge is free
+  std::vector<Landmark> landmarks;  ///< increasing by id
 
   /// Of the newest keyframe's pose, right perturbation.
   [[nodiscard]] std::optional<Matrix6d> covariance_of_newest() const;
@@ -38,7 +37,7 @@ struct WindowSystem {
   [[nodiscard]] std::size_t memory_bytes() const;
 };
 
-/// (L L^T)^-1, of which the last `size` rows and columns.
+/// The last `size` rows and columns of (L L^T)^-1.
 Eigen::MatrixXd last_of_inverse(const Eigen::LLT<Eigen::MatrixXd>& cholesky, Eigen::Index size);
 
 }  // namespace fleetloc

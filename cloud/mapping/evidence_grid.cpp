@@ -17,12 +17,12 @@ std::size_t slot_of(std::uint64_t key, std::size_t slots) {
 
 }  // namespace
 
-CellWalk::CellWalk(const Eigen::Vector3d& from, const Eigen::Vector3d& to)
+VoxelTraversal::VoxelTraversal(const Eigen::Vector3d& from, const Eigen::Vector3d& to)
     : cell_(from.array().floor().cast<std::int32_t>()) {
   constexpr double kNever = 1e30;
-  const Eigen::Vector3d way = to - from;
+  const Eigen::Vector3d segment = to - from;
   for (int axis = 0; axis < 3; ++axis) {
-    const double along = way[axis];
+    const double along = segment[axis];
     const double face = cell_[axis] + (along > 0.0 ? 1.0 : 0.0);
     direction_[axis] = along > 0.0 ? 1 : -1;
     between_[axis] = along == 0.0 ? kNever : 1.0 / std::abs(along);

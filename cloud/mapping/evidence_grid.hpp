@@ -14,13 +14,13 @@
 
 namespace fleetloc {
 
-/// The cells that a line passes, one after the other: each next one lies behind the face that the
-/// line reaches first (Amanatides and Woo 1987). Lengths are in cells.
-class CellWalk {
+/// Steps through the cells that a line segment passes (Amanatides and Woo, A fast voxel traversal
+/// algorithm for ray tracing, 1987). Lengths are in cells.
+class VoxelTraversal {
  public:
   using Coordinates = Eigen::Matrix<std::int32_t, 3, 1>;
 
-  CellWalk(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+  VoxelTraversal(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
   [[nodiscard]] const Coordinates& cell() const { return cell_; }
   [[nodiscard]] int steps() const { return steps_; }  ///< to the cell of the end
@@ -35,12 +35,12 @@ class CellWalk {
  private:
   Coordinates cell_;
   Coordinates direction_;    ///< 1 or -1
-  Eigen::Vector3d next_;     ///< shares of the way up to the next faces
+  Eigen::Vector3d next_;     ///< the next faces, as shares of the segment
   Eigen::Vector3d between_;  ///< and from face to face
   int steps_ = 0;
 };
 
-/// The cells of space in which there are points, and what stands in each. Immutable.
+/// Sparse voxel grid of the cells that hold points, with the surface in each. Immutable.
 class EvidenceGrid {
  public:
   /// @param points_map  within 2^20 blocks of 8 cells from the origin [m]
@@ -50,17 +50,17 @@ class EvidenceGrid {
   [[nodiscard]] double cell_m() const { return cell_m_; }
   [[nodiscard]] const SurfaceCell& cell(std::size_t index) const { return cells_[index]; }
 
-  /// The cell that holds a point; nothing if it was built without one there.
+  /// Index of the cell around a position; nothing if that cell holds no point.
   [[nodiscard]] std::optional<std::size_t> find(const Eigen::Vector3d& p_map) const;
 
-  /// Calls `visit(index)` for each cell with points on the way from `from_map` to `to_map`.
+  /// Calls `visit(index)` for each cell with points that the segment passes, in its order [m].
   template <typename Visit>
-  void walk(const Eigen::Vector3d& from_map,
-            const Eigen::Vector3d& to_map,
-            const Visit& visit) const;
+  void traverse(const Eigen::Vector3d& from_map,
+                const Eigen::Vector3d& to_map,
+                const Visit& visit) const;
 
  private:
-  using Coordinates = CellWalk::Coordinates;
+  using Coordinates = VoxelTraversal::Coordinates;
 
   static constexpr int kBlockBits = 3;
   static constexpr int kWords = 8;  // of 64 cells each
@@ -95,21 +95,21 @@ class EvidenceGrid {
 };
 
 template <typename Visit>
-void EvidenceGrid::walk(const Eigen::Vector3d& from_map,
-                        const Eigen::Vector3d& to_map,
-                        const Visit& visit) const {
-  CellWalk walk(from_map / cell_m_, to_map / cell_m_);
+void EvidenceGrid::traverse(const Eigen::Vector3d& from_map,
+                            const Eigen::Vector3d& to_map,
+                            const Visit& visit) const {
+  VoxelTraversal traversal(from_map / cell_m_, to_map / cell_m_);
   std::uint64_t key = kFree;
   const Block* block = nullptr;
-  for (int left = walk.steps(); left >= 0; --left) {
-    if (const std::uint64_t here = key_of(walk.cell()); here != key) {
+  for (int left = traversal.steps(); left >= 0; --left) {
+    if (const std::uint64_t here = key_of(traversal.cell()); here != key) {
       key = here;
       block = block_at(key);
     }
     if (block != nullptr) {
-      if (const auto index = index_in(*block, place_in_block(walk.cell()))) visit(*index);
+      if (const auto index = index_in(*block, place_in_block(traversal.cell()))) visit(*index);
     }
-    walk.step();
+    traversal.step();
   }
 }
 

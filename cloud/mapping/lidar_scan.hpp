@@ -11,12 +11,12 @@
 namespace fleetloc {
 
 struct LidarPoint {
-  Eigen::Vector3f p_lidar = Eigen::Vector3f::Zero();  ///< in the lidar's frame of that moment [m]
+  Eigen::Vector3f p_lidar = Eigen::Vector3f::Zero();  ///< in the lidar's frame at its own time [m]
   std::uint16_t column = 0;  ///< when: LidarCalibration::column_time_s() after the scan's stamp
   std::uint8_t ring = 0;     ///< from the lowest one
 };
 
-/// One revolution, as measured: the motion during the scan is still in it.
+/// One revolution as measured, not deskewed.
 struct LidarScan {
   Timestamp stamp;                 ///< of column 0
   std::vector<LidarPoint> points;  ///< column by column, from the lowest ring

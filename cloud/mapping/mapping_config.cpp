@@ -11,9 +11,9 @@ EvidenceConfig read_evidence(ConfigReader section) {
           .min_margin_m = section.positive("min_margin_m"),
           .surface_margin_m = section.positive("surface_margin_m"),
           .min_cosine = section.number("min_cosine", 0.0, 1.0),
-          .max_sigmas_off_sheet = section.positive("max_sigmas_off_sheet"),
-          .max_sigmas_off_stake = section.positive("max_sigmas_off_stake"),
-          .min_looks = section.integer("min_looks", 1, kMaxScans),
+          .max_planar_sigmas = section.positive("max_sigmas_off_sheet"),
+          .max_nonplanar_sigmas = section.positive("max_sigmas_off_stake"),
+          .min_misses = section.integer("min_looks", 1, kMaxScans),
           .min_hit_share = section.number("min_hit_share", 0.0, 1.0),
           .min_agreement = section.number("min_agreement", 0.0, 1.0),
           .min_sessions = section.integer("min_sessions", 1, kMaxSessions)};

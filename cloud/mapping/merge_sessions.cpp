@@ -33,19 +33,19 @@ class PassProgress {
 };
 
 /// Adds the points of a scan that are neither too near nor too far.
-void add_points(const std::vector<Sighting>& sightings,
+void add_points(const std::vector<LidarRay>& rays,
                 const MappingConfig& config,
                 SessionCounts& counts,
                 VoxelCloud& cloud) {
-  counts.points += sightings.size();
-  for (const Sighting& sighting : sightings) {
-    const double range_m = (sighting.p_map - sighting.from_map).norm();
+  counts.points += rays.size();
+  for (const LidarRay& ray : rays) {
+    const double range_m = (ray.p_map - ray.origin_map).norm();
     if (range_m < config.min_range_m) {
       ++counts.too_near;
     } else if (range_m > config.max_range_m) {
       ++counts.too_far;
     } else {
-      cloud.add(sighting.p_map);
+      cloud.add(ray.p_map);
     }
   }
 }
@@ -56,8 +56,8 @@ SessionCounts add_session(const SurveySession& session,
                           PassProgress& progress) {
   SessionCounts counts{.dataset = session.dataset(), .scans = session.scans()};
   for (std::size_t i = 0; i < session.scans(); ++i) {
-    if (const auto sightings = session.scan(i)) {
-      add_points(*sightings, config, counts, cloud);
+    if (const auto rays = session.scan(i)) {
+      add_points(*rays, config, counts, cloud);
     } else {
       ++counts.scans_without_pose;
     }
@@ -102,7 +102,7 @@ MergedSessions merge_sessions(const std::vector<SurveySession>& sessions,
   PassProgress pass("rays", sessions, progress);
   for (const SurveySession& session : sessions) {
     for (std::size_t i = 0; i < session.scans(); ++i) {
-      if (const auto sightings = session.scan(i)) evidence.add_scan(*sightings);
+      if (const auto rays = session.scan(i)) evidence.add_scan(*rays);
       pass.step();
     }
     evidence.end_session();

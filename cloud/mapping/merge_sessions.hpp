@@ -28,8 +28,8 @@ struct MergeReport {
   std::vector<SessionCounts> sessions;
   double voxel_m = 0.0;          ///< the configured one, or doubled
   std::size_t merged = 0;        ///< one point per voxel
-  std::size_t seen_through = 0;  ///< of these, dropped
-  std::size_t unconfirmed = 0;   ///< the same
+  std::size_t seen_through = 0;  ///< of these, dropped: contradicted by sessions
+  std::size_t unconfirmed = 0;   ///< of these, dropped: confirmed by too few sessions
   std::size_t kept = 0;
 };
 
@@ -38,15 +38,15 @@ struct MergedSessions {
   MergeReport report;
 };
 
-/// Told how many of how many scans have been read in a pass.
+/// Called with the number of scans read so far in a pass, and of all scans.
 using MergeProgress =
     std::function<void(const std::string& pass, std::size_t done, std::size_t total)>;
 
-/// Merges the lidar scans of several sessions along the same or neighbouring ways, in one frame,
-/// and keeps what stays: what no session has looked through. Scans are read twice, one at a time:
-/// once for the points, once for the rays. Memory grows with the surface, not with the scans. The
-/// result depends on the files, their order and the configuration alone.
-/// Throws DatasetError, also if no scan of a session lies within its poses.
+/// Merges the lidar scans of several sessions along the same or neighbouring routes, in one frame,
+/// and keeps static structure: cells that the rays of other sessions have not passed through. Scans
+/// are read twice, one at a time: once for the points, once for the rays. Memory grows with the
+/// surface, not with the scans. The result depends on the files, their order and the configuration
+/// alone. Throws DatasetError, also if no scan of a session lies within its poses.
 MergedSessions merge_sessions(const std::vector<SurveySession>& sessions,
                               const MappingConfig& config,
                               const MergeProgress& progress = {});

@@ -8,11 +8,11 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kEnoughPoints = 8;         // for a direction from the cell alone
-constexpr int kFewestPoints = 3;         // for any direction
-constexpr float kPointSigma = 0.02F;     // of what a single point stands for [m]
-constexpr float kSheetFlatness = 0.35F;  // most of sigma_0 / sigma_1
-constexpr float kLineWidth = 0.3F;       // most of sigma_1 / sigma_2
+constexpr int kEnoughPoints = 8;             // for a direction from the cell alone
+constexpr int kFewestPoints = 3;             // for any direction
+constexpr float kPointSigma = 0.02F;         // of a single point [m]
+constexpr float kMaxPlanarFlatness = 0.35F;  // greatest sigma_0 / sigma_1
+constexpr float kLineWidth = 0.3F;           // greatest sigma_1 / sigma_2
 constexpr float kUprightCosine = 0.8F;
 
 }  // namespace
@@ -42,7 +42,7 @@ SurfaceCell surface_of(const PointMoments& own,
   using Solver = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>;
   SurfaceCell cell;
   cell.p_map = origin_map + own.mean();
-  cell.kind = SurfaceCell::Kind::kStake;
+  cell.kind = SurfaceCell::Kind::kNonPlanar;
   const Eigen::Matrix3f covariance = own.covariance();
   const Eigen::Matrix3f ball = kPointSigma * kPointSigma * Eigen::Matrix3f::Identity();
   cell.information = (covariance + ball).inverse();
@@ -56,8 +56,8 @@ SurfaceCell surface_of(const PointMoments& own,
   if (sigmas(1) < kLineWidth * sigmas(2)) {
     const bool upright = std::abs(solver.eigenvectors().col(2).z()) > kUprightCosine;
     if (!upright) cell.kind = SurfaceCell::Kind::kUnknown;
-  } else if (sigmas(0) < kSheetFlatness * sigmas(1)) {
-    cell.kind = SurfaceCell::Kind::kSheet;
+  } else if (sigmas(0) < kMaxPlanarFlatness * sigmas(1)) {
+    cell.kind = SurfaceCell::Kind::kPlanar;
     cell.normal = solver.eigenvectors().col(0);
   }
   return cell;

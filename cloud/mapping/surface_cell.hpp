@@ -6,17 +6,17 @@
 
 namespace fleetloc {
 
-/// What stands in a cell, as far as a ray that may pass through it is concerned.
+/// The surface in a cell, as a test of whether a ray passes through it.
 struct SurfaceCell {
   enum class Kind : std::uint8_t {
-    kSheet,    ///< a plane of direction `normal`
-    kStake,    ///< upright and thin, or without direction
-    kUnknown,  ///< a level line, as of one ring on the ground: it may belong to any plane
+    kPlanar,     ///< a plane with this `normal`
+    kNonPlanar,  ///< upright and thin, as a pole, or scattered
+    kUnknown,    ///< a level line, as of one ring on the ground: its plane is unknown
   };
 
   Eigen::Vector3f p_map = Eigen::Vector3f::Zero();   ///< mean of the points [m]
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; of a sheet
-  /// Inverse covariance of the points, each a ball of 2 cm [1/m^2].
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit; if planar
+  /// Inverse covariance of the points, with 2 cm of noise added [1/m^2].
   Eigen::Matrix3f information = Eigen::Matrix3f::Zero();
   Kind kind = Kind::kUnknown;
 };
@@ -39,9 +39,9 @@ class PointMoments {
   Eigen::Matrix3f squares_ = Eigen::Matrix3f::Zero();
 };
 
-/// @param own      of the cell, at least one point
-/// @param around   of the cell and its neighbours, for cells with few points
-/// @param origin_map  of both
+/// @param own      moments of the cell, at least one point
+/// @param around   of the cell and its neighbours; used for cells with few points
+/// @param origin_map  origin of both [m]
 SurfaceCell surface_of(const PointMoments& own,
                        const PointMoments& around,
                        const Eigen::Vector3f& origin_map);

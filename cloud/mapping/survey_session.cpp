@@ -33,10 +33,10 @@ Trajectory survey_poses(const std::filesystem::path& dataset) {
 
 }  // namespace
 
-std::optional<std::vector<Sighting>> place(const LidarScan& scan,
-                                           const LidarCalibration& lidar,
-                                           const Trajectory& T_map_body,
-                                           Duration max_gap) {
+std::optional<std::vector<LidarRay>> deskewed(const LidarScan& scan,
+                                              const LidarCalibration& lidar,
+                                              const Trajectory& T_map_body,
+                                              Duration max_gap) {
   const auto lidar_pose = [&](int column) -> std::optional<Pose> {
     const Timestamp stamp = scan.stamp + from_seconds(lidar.column_time_s(column));
     const auto body = interpolate(T_map_body, stamp, max_gap);
@@ -44,8 +44,8 @@ std::optional<std::vector<Sighting>> place(const LidarScan& scan,
     return *body * lidar.T_body_lidar;
   };
   if (!lidar_pose(0) || !lidar_pose(lidar.columns - 1)) return std::nullopt;
-  std::vector<Sighting> sightings;
-  sightings.reserve(scan.points.size());
+  std::vector<LidarRay> rays;
+  rays.reserve(scan.points.size());
   std::optional<Pose> T_map_lidar;
   int column = -1;
   for (const LidarPoint& point : scan.points) {
@@ -54,10 +54,10 @@ std::optional<std::vector<Sighting>> place(const LidarScan& scan,
       T_map_lidar = lidar_pose(column);
     }
     if (!T_map_lidar) return std::nullopt;
-    sightings.push_back(
-        {.from_map = T_map_lidar->p, .p_map = *T_map_lidar * point.p_lidar.cast<double>()});
+    rays.push_back(
+        {.origin_map = T_map_lidar->p, .p_map = *T_map_lidar * point.p_lidar.cast<double>()});
   }
-  return sightings;
+  return rays;
 }
 
 SurveySession::SurveySession(const std::filesystem::path& dataset, Duration max_gap)
@@ -70,8 +70,8 @@ SurveySession::SurveySession(const std::filesystem::path& dataset, Duration max_
   }
 }
 
-std::optional<std::vector<Sighting>> SurveySession::scan(std::size_t index) const {
-  return place(lidar_.scan(index), lidar_.calibration(), trajectory_, max_gap_);
+std::optional<std::vector<LidarRay>> SurveySession::scan(std::size_t index) const {
+  return deskewed(lidar_.scan(index), lidar_.calibration(), trajectory_, max_gap_);
 }
 
 }  // namespace fleetloc

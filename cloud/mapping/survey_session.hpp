@@ -13,26 +13,27 @@
 
 namespace fleetloc {
 
-/// A measured point and where the lidar was at that moment, both in map [m].
-struct Sighting {
-  Eigen::Vector3d from_map;
+/// A ray of the lidar, deskewed: its origin and the measured point, both in map [m].
+struct LidarRay {
+  Eigen::Vector3d origin_map;
   Eigen::Vector3d p_map;
 };
 
-/// The lidar scans of a dataset, each point placed by the pose of the body at the point's own time.
+/// The lidar scans of a dataset, deskewed: each point is transformed by the body's pose at the
+/// point's own time.
 class SurveySession {
  public:
   /// @param dataset  holds mav0/lidar0 and the poses of the survey: data.csv or data.tum in
   ///                 mav0/state_groundtruth_estimate0
-  /// @param max_gap  between neighbouring poses; in longer ones nothing is known
+  /// @param max_gap  between neighbouring poses; longer ones are not interpolated
   /// Throws DatasetError that names the file, and the line if it has one.
   SurveySession(const std::filesystem::path& dataset, Duration max_gap);
 
   [[nodiscard]] const std::filesystem::path& dataset() const { return dataset_; }
   [[nodiscard]] std::size_t scans() const { return lidar_.size(); }
 
-  /// Nothing if the poses do not cover the whole scan. Throws DatasetError.
-  [[nodiscard]] std::optional<std::vector<Sighting>> scan(std::size_t index) const;
+  /// Its points in map; nothing if the poses do not cover the whole scan. Throws DatasetError.
+  [[nodiscard]] std::optional<std::vector<LidarRay>> scan(std::size_t index) const;
 
  private:
   std::filesystem::path dataset_;
@@ -41,10 +42,10 @@ class SurveySession {
   Duration max_gap_;
 };
 
-/// The same for a scan and poses at hand.
-std::optional<std::vector<Sighting>> place(const LidarScan& scan,
-                                           const LidarCalibration& lidar,
-                                           const Trajectory& T_map_body,
-                                           Duration max_gap);
+/// Deskews a scan by the given poses; nothing if they do not cover the whole scan.
+std::optional<std::vector<LidarRay>> deskewed(const LidarScan& scan,
+                                              const LidarCalibration& lidar,
+                                              const Trajectory& T_map_body,
+                                              Duration max_gap);
 
 }  // namespace fleetloc

@@ -15,9 +15,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPatience{5};  // between looks at the workers
+constexpr milliseconds kPatience{5};  // between polls of the workers
 
-// The localizer's own time: it only orders and measures, robots never see it.
+// The localizer's own clock: for order and durations, never sent to robots.
 Timestamp steady_now() {
   return Timestamp{std::chrono::steady_clock::now().time_since_epoch()};
 }
@@ -105,7 +105,7 @@ void CloudNode::finish_jobs(WorkerPool& workers, WorkerLoad& load) {
 }
 
 void CloudNode::start_jobs(WorkerPool& workers) {
-  while (workers.has_room()) {
+  while (workers.has_free_worker()) {
     auto job = pool_.take_job(steady_now());
     if (!job) return;
     workers.start(std::move(*job));

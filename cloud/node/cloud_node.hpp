@@ -17,13 +17,13 @@
 namespace fleetloc {
 
 struct CloudNodeOptions {
-  std::filesystem::path map;
-  std::filesystem::path qos;
-  std::filesystem::path out;
-  std::string name;
+  std::filesystem::path map;  ///< .pcd, see load_map()
+  std::filesystem::path qos;  ///< profiles of the network
+  std::filesystem::path out;  ///< folder for status.csv and sessions.json
+  std::string name;           ///< of the localizer, unique in the fleet
   std::uint32_t domain = 0;
   int workers = 1;
-  std::optional<LinkConfig> link;
+  std::optional<LinkConfig> link;  ///< emulated; none: the network as it is
 };
 
 /// A localizer on the network: everything that can fail before it starts fails in the constructor

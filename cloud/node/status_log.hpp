@@ -8,9 +8,9 @@
 
 namespace fleetloc {
 
-/// status.csv of a localizer: a line each second, for who watches it and for what is left of one
-/// that is killed. `time_s` since the start, `sessions` now, `load` 0..1, then counts since the
-/// start over all robots of which sessions.json tells.
+/// status.csv of a localizer: a line each second, for monitoring, and as a record if the process is
+/// killed. `time_s` since the start, `sessions` now, `load` 0..1, then counts since the start over
+/// all robots in sessions.json.
 class StatusLog {
  public:
   /// Throws std::runtime_error that names the file.

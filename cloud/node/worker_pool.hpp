@@ -16,13 +16,13 @@ class WorkerPool {
   struct Finished {
     LocalizerPool::Job job;
     LocalizationResult answer;
-    Duration cpu{};
+    Duration cpu{};  ///< processor time of the job
   };
 
   explicit WorkerPool(int threads);
 
   /// True if a worker is free; then start() does not wait.
-  [[nodiscard]] bool has_room() const { return running_ < threads_.size(); }
+  [[nodiscard]] bool has_free_worker() const { return running_ < threads_.size(); }
   void start(LocalizerPool::Job job);
   std::optional<Finished> take();
 

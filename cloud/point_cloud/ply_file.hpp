@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// The .ply half of read_point_fields(). PCL's own reader mixes up the fields of files with some
-/// of the colour properties, and takes a file that is cut off for a shorter one.
+/// read_point_fields() for .ply. PCL's own reader mixes up the fields of files with some of the
+/// colour properties, and accepts truncated files.
 PointTable read_ply(const std::filesystem::path& file, const std::vector<std::string>& fields);
 
 }  // namespace fleetloc

@@ -4,7 +4,8 @@
 
 namespace fleetloc {
 
-/// While it lives PCL prints nothing of what goes wrong: an exception or a result says it already.
+/// Silences PCL's console output during its lifetime: exceptions and results report what goes
+/// wrong.
 class QuietPcl {
  public:
   QuietPcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }

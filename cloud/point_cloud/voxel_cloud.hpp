@@ -8,9 +8,9 @@
 
 namespace fleetloc {
 
-/// Thins a stream of points: one point per voxel, the mean of what fell into it. Memory is bounded:
-/// where there would be more than `max_voxels`, the edge of all voxels is doubled and neighbours
-/// are merged. The result depends on the points and their order alone.
+/// Voxel filter of a stream of points: one point per voxel, the mean of those in it. Memory is
+/// bounded: where there would be more than `max_voxels`, the edge of all voxels is doubled and
+/// neighbours are merged. The result depends on the points and their order alone.
 class VoxelCloud {
  public:
   /// @param edge_m       positive
@@ -20,7 +20,7 @@ class VoxelCloud {
   /// Points farther than 2^20 voxels from the origin, or not finite, are left out.
   void add(const Eigen::Vector3d& p);
 
-  [[nodiscard]] double edge_m() const { return edge_m_; }  ///< as it is now
+  [[nodiscard]] double edge_m() const { return edge_m_; }  ///< current
   [[nodiscard]] std::size_t size() const { return size_; }
 
   /// In the order of the voxels: by x, then y, then z.

@@ -39,7 +39,7 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
   if (message.topic == Topic::kRobotStatus) receive_robot_status(message.payload, now);
 }
 
-// Announcements to other localizers are heard, too: who goes there has left here.
+// Announcements to other localizers are received, too: that robot has left this one.
 void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
   auto decoded = decode_robot_session(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) {
@@ -67,21 +67,21 @@ void LocalizerPool::open(RobotSession session, Timestamp now) {
     unknown_robots_.erase(id);
   }
   Robot& robot = known->second;
-  robot.heard = now;
+  robot.last_message = now;
   const bool is_repeated = robot.session && robot.session->session == session.session &&
                            robot.session->start_stamp == session.start_stamp;
   if (is_repeated) return adopt_newer_start(robot, std::move(session));
-  note(id + ": session " + std::to_string(static_cast<std::uint32_t>(session.session)) +
-       (robot.session ? " replaces the one before" : " opened"));
+  log_event(id + ": session " + std::to_string(static_cast<std::uint32_t>(session.session)) +
+            (robot.session ? " replaces the one before" : " opened"));
   ++robot.report.sessions;
   robot.receiver = {};
   robot.waiting.clear();
   robot.waiting_bytes = 0;
-  start_over(robot, std::move(session));
+  restart_session(robot, std::move(session));
 }
 
 // A job that runs meanwhile keeps its own session; what it finds is dropped.
-void LocalizerPool::start_over(Robot& robot, RobotSession session) {
+void LocalizerPool::restart_session(Robot& robot, RobotSession session) {
   robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);
   robot.answer.reset();
   robot.unsent = false;
@@ -89,11 +89,12 @@ void LocalizerPool::start_over(Robot& robot, RobotSession session) {
   robot.session = std::move(session);
 }
 
-// As long as the localizer knows where the robot is, it knows better than the robot.
+// While the robot is localized here, the localizer's pose is better than the robot's new start
+// pose.
 void LocalizerPool::adopt_newer_start(Robot& robot, RobotSession session) {
   const bool is_localized = robot.answer && robot.answer->status == LocalizationStatus::kLocalized;
   if (is_localized || !session.start || is_same(session.start, robot.session->start)) return;
-  start_over(robot, std::move(session));
+  restart_session(robot, std::move(session));
 }
 
 void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
@@ -112,7 +113,7 @@ void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
       submap.incarnation != incarnation_) {
     return request_session(submap, now);
   }
-  found->second.heard = now;
+  found->second.last_message = now;
   store(found->second, std::move(submap), payload.size(), now);
 }
 
@@ -145,7 +146,7 @@ void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
   const SessionVerdict verdict = register_.status(status, now);
   const auto found = robots_.find(status.robot);
   if (verdict == SessionVerdict::kCurrent && found != robots_.end()) {
-    found->second.heard = now;
+    found->second.last_message = now;
     found->second.report.status = status;
   } else if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
     refuse_superseded(status.robot, verdict, now);
@@ -187,7 +188,7 @@ void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) const {
   robot.waiting_bytes = 0;
 }
 
-// Whatever one robot's submaps bring about, the others are served.
+// An exception ends the job of one robot only.
 LocalizationResult LocalizerPool::run(Job& job) {
   try {
     for (const Submap& submap : job.submaps) job.session->add(submap);
@@ -253,7 +254,7 @@ void LocalizerPool::finish(const Job& job,
 }
 
 std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, double load) {
-  tidy(now);
+  remove_expired(now);
   std::vector<Outgoing> messages;
   add_answers(messages, now);
   add_session_requests(messages);

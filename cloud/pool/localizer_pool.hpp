@@ -22,22 +22,22 @@ namespace fleetloc {
 class ConfigReader;
 
 /// The localizer's end of the protocol, for many robots: validates what arrives, keeps a session
-/// per robot, hands out the localizations that are due, and says what to send. It owns no thread
-/// and reads no clock: jobs may run on any thread, one at a time for each robot; everything else
-/// is one thread's.
+/// per robot, hands out the localizations that are due, and the messages to send. It owns no thread
+/// and reads no clock: jobs may run on any thread, one at a time for each robot; everything else is
+/// one thread's.
 ///
-/// The workers' time is shared out evenly among the robots that wait, whatever each one's jobs
-/// take. What a robot can occupy is bounded, and given back when it has fallen silent.
+/// Fair scheduling: worker time is shared evenly among the robots that wait, whatever their jobs
+/// take. The memory of a robot is bounded, and freed when it has been silent for long.
 class LocalizerPool {
  public:
   struct Config {
     SessionLocalizer::Config localizer;
     std::size_t max_sessions;
-    std::size_t max_session_bytes;  ///< of one robot's database and problem: then it starts anew
+    std::size_t max_session_bytes;  ///< of one robot's localizer; beyond, its session is restarted
     std::size_t max_waiting_submaps;
     std::size_t max_waiting_bytes;  ///< of one robot's waiting submaps, as received
-    double max_waiting_s;           ///< then an answer is not worth the work
-    double idle_session_s;          ///< after which a session is given up
+    double max_waiting_s;           ///< older submaps are dropped
+    double idle_session_s;          ///< without a message, then the session is ended
     double session_request_interval_s;
     double status_interval_s;
     RetransmissionTimer::Config retransmission;
@@ -52,7 +52,7 @@ class LocalizerPool {
     std::shared_ptr<SessionLocalizer> session;
     std::vector<Submap> submaps;
     std::optional<Correction> correction;  ///< what run() found beside the answer
-    std::string error;                     ///< what run() could not do
+    std::string error;                     ///< why run() failed; empty: it did not
   };
 
   struct Outgoing {
@@ -67,7 +67,8 @@ class LocalizerPool {
 
   void receive(const Message& message, Timestamp now);
 
-  /// Of the robots that wait and are not being worked on, the one that has had the least.
+  /// A job of the robot that has used the least worker time, of those that wait and have none
+  /// running.
   std::optional<Job> take_job(Timestamp now);
 
   /// Does the work of a job. Static, since it may run beside everything else.
@@ -79,9 +80,9 @@ class LocalizerPool {
   /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<Outgoing> outgoing(Timestamp now, double load);
 
-  /// Robots that are no longer served, since the last call: their partitions need no writers.
+  /// Robots that have stopped being served since the last call: their partitions need no writers.
   std::vector<RobotId> take_departed();
-  /// What has changed since the last call, each a line for a log.
+  /// Events since the last call, each a line for the log.
   std::vector<std::string> take_events();
 
   /// Of the robots that are served, and of the latest that were.
@@ -107,8 +108,8 @@ class LocalizerPool {
     SubmapReceiver receiver;
     std::deque<Waiting> waiting;
     std::size_t waiting_bytes = 0;
-    Timestamp heard;
-    Duration used{};  // virtual time: what it has had of the workers
+    Timestamp last_message;
+    Duration used{};  // virtual time: worker time that it has used
     std::optional<LocalizationResult>
         answer;  // the latest, with the acknowledgements when it was made
     bool unsent = false;
@@ -116,14 +117,14 @@ class LocalizerPool {
     RetransmissionTimer retransmission;
     SessionReport report;
   };
-  /// Sends submaps of a session that is not known here.
+  /// A robot that sends submaps of a session that is not known here.
   struct UnknownRobot {
     Timestamp requested;
     std::optional<LocalizationResult> unsent;
   };
-  /// No longer served.
+  /// A robot that is no longer served.
   struct DepartedRobot {
-    Timestamp heard;
+    Timestamp last_message;
     SessionReport report;
   };
 
@@ -131,17 +132,17 @@ class LocalizerPool {
   void receive_submap(const Bytes& payload, Timestamp now);
   void receive_robot_status(const Bytes& payload, Timestamp now);
   void open(RobotSession session, Timestamp now);
-  void start_over(Robot& robot, RobotSession session);
+  void restart_session(Robot& robot, RobotSession session);
   void adopt_newer_start(Robot& robot, RobotSession session);
   void store(Robot& robot, Submap submap, std::size_t bytes, Timestamp now);
   void request_session(const Submap& submap, Timestamp now);
   void end(const RobotId& robot, const std::string& why);
-  void tidy(Timestamp now);
+  void remove_expired(Timestamp now);
   void drop_stale_work(Robot& robot, Timestamp now) const;
   static void pop_waiting(Robot& robot);
   void refuse(const RobotId& robot, std::string_view reason);
   void refuse_superseded(const RobotId& robot, SessionVerdict verdict, Timestamp now);
-  void note(std::string event);
+  void log_event(std::string event);
   void send_correction(const RobotId& id, Robot& robot, std::vector<Outgoing>& messages);
   void add_answers(std::vector<Outgoing>& messages, Timestamp now);
   void add_session_requests(std::vector<Outgoing>& messages);
@@ -155,13 +156,13 @@ class LocalizerPool {
   std::map<RobotId, Robot> robots_;
   std::map<RobotId, UnknownRobot> unknown_robots_;
   std::map<RobotId, DepartedRobot> departed_robots_;
-  std::map<RobotId, Timestamp> conflicts_;  // when last seen
+  std::map<RobotId, Timestamp> conflicts_;  // when last reported
   Duration virtual_time_{};                 // of the robot that was served last
   std::map<std::string, std::uint64_t> unattributed_;
   std::vector<RobotId> departed_;
   std::vector<std::string> events_;
   std::optional<Timestamp> status_sent_;
-  std::optional<Timestamp> tidied_;
+  std::optional<Timestamp> last_cleanup_;
 };
 
 LocalizerPool::Config read_localizer_pool_config(ConfigReader config);

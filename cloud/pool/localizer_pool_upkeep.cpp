@@ -1,4 +1,4 @@
-// What the pool keeps of robots that it does not serve: unknown ones, conflicts, departed ones.
+// Robots that the pool does not serve: unknown ones, conflicts, departed ones.
 #include <algorithm>
 #include <utility>
 
@@ -12,13 +12,13 @@ namespace {
 constexpr std::size_t kMaxUnknownRobots = 256;
 constexpr std::size_t kMaxConflicts = 256;
 constexpr std::size_t kMaxEvents = 1000;  // nobody reads them
-constexpr double kTidySeconds = 1.0;
+constexpr double kCleanupSeconds = 1.0;
 constexpr double kForgetUnknownRobotSeconds = 10.0;
 constexpr double kConflictOverSeconds = 30.0;  // without a sign of the other robot
 
 }  // namespace
 
-// To the robot's own partition; it knows by the keyframe that it has really sent this submap.
+// Sent to the robot's own partition; the keyframe proves that the request answers its submap.
 void LocalizerPool::request_session(const Submap& submap, Timestamp now) {
   refuse(submap.robot,
          submap.incarnation != incarnation_ ? "other_incarnation" : "unknown_session");
@@ -53,23 +53,23 @@ void LocalizerPool::add_session_requests(std::vector<Outgoing>& messages) {
 void LocalizerPool::end(const RobotId& robot, const std::string& why) {
   const auto found = robots_.find(robot);
   if (found == robots_.end()) return;
-  note(robot + ": session ended: " + why);
+  log_event(robot + ": session ended: " + why);
   if (departed_robots_.size() >= config_.max_sessions) {
     departed_robots_.erase(std::ranges::min_element(
-        departed_robots_, {}, [](const auto& item) { return item.second.heard; }));
+        departed_robots_, {}, [](const auto& item) { return item.second.last_message; }));
   }
-  departed_robots_[robot] = {.heard = found->second.heard,
+  departed_robots_[robot] = {.last_message = found->second.last_message,
                              .report = std::move(found->second.report)};
   robots_.erase(found);
   departed_.push_back(robot);
 }
 
-void LocalizerPool::tidy(Timestamp now) {
-  if (tidied_ && to_seconds(now - *tidied_) < kTidySeconds) return;
-  tidied_ = now;
+void LocalizerPool::remove_expired(Timestamp now) {
+  if (last_cleanup_ && to_seconds(now - *last_cleanup_) < kCleanupSeconds) return;
+  last_cleanup_ = now;
   std::vector<RobotId> idle;
   for (const auto& [id, robot] : robots_) {
-    if (!robot.running && to_seconds(now - robot.heard) > config_.idle_session_s) {
+    if (!robot.running && to_seconds(now - robot.last_message) > config_.idle_session_s) {
       idle.push_back(id);
     }
   }
@@ -96,10 +96,10 @@ void LocalizerPool::refuse_superseded(const RobotId& robot, SessionVerdict verdi
   const bool is_new = !conflicts_.contains(robot);
   if (is_new && conflicts_.size() >= kMaxConflicts) return;
   conflicts_[robot] = now;
-  if (is_new) note(robot + ": two robots have this id: the one started first is refused");
+  if (is_new) log_event(robot + ": two robots have this id: the one started first is refused");
 }
 
-void LocalizerPool::note(std::string event) {
+void LocalizerPool::log_event(std::string event) {
   if (events_.size() < kMaxEvents) events_.push_back(std::move(event));
 }
 

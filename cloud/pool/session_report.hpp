@@ -32,7 +32,7 @@ class RecentValues {
   std::size_t next_ = 0;  // the oldest, once there are kMax
 };
 
-/// What one robot has had of this localizer; written to sessions.json.
+/// Statistics of one robot at this localizer; written to sessions.json.
 struct SessionReport {
   std::uint64_t sessions = 0;  ///< opened
   std::uint64_t submaps = 0;

@@ -11,8 +11,10 @@ class WorkerLoad {
  public:
   WorkerLoad(int workers, Timestamp now) : workers_(workers), last_(now) {}
 
+  /// @param busy  time that one worker has spent on a job
   void add(Duration busy) { busy_ += busy; }
 
+  /// @return 0..1; a new value at most once a second
   double measure(Timestamp now) {
     const double elapsed_s = to_seconds(now - last_);
     if (elapsed_s < 1.0) return load_;

@@ -7,16 +7,16 @@
 
 namespace fleetloc {
 
-/// What is seen at one moment.
+/// State of the fleet at one moment.
 struct FleetView {
   std::vector<RobotView> robots;
   std::vector<LocalizerView> localizers;
 };
 
-/// A line for each robot and each localizer, under headings; every line ends.
+/// A line for each robot and each localizer, under headings; each with a newline.
 std::string table(const FleetView& fleet);
 
-/// The same in one line, without its end.
+/// The same in one line, without newline.
 std::string line(const FleetView& fleet);
 
 }  // namespace fleetloc

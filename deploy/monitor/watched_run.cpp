@@ -39,7 +39,7 @@ WatchedRun::WatchedRun(const std::filesystem::path& folder, Trajectory truth)
   view_.name = name_of(folder);
 }
 
-const RobotView& WatchedRun::look() {
+const RobotView& WatchedRun::update() {
   view_.ended = std::filesystem::exists(summary_);  // first: it is written last
   read_diagnostics();
   read_error();
@@ -88,7 +88,7 @@ WatchedLocalizer::WatchedLocalizer(const std::filesystem::path& folder)
   view_.name = name_of(folder);
 }
 
-const LocalizerView& WatchedLocalizer::look() {
+const LocalizerView& WatchedLocalizer::update() {
   status_.read([this] {
     view_.sessions = status_.text("sessions");
     view_.load = status_.number("load");

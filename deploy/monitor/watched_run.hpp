@@ -11,7 +11,7 @@
 
 namespace fleetloc {
 
-/// How a robot is doing, as far as its run folder tells; NaN: not known.
+/// State of a robot, by its run folder; NaN: not known.
 struct RobotView {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -26,10 +26,10 @@ struct RobotView {
   bool ended = false;
 };
 
-/// How a localizer is doing, as status.csv tells.
+/// State of a localizer, by its status.csv.
 struct LocalizerView {
   std::string name;
-  std::string sessions;  ///< empty: it has told nothing so far
+  std::string sessions;  ///< empty: nothing written so far
   double load = 0.0;
   std::string submaps;
   std::string localized;
@@ -41,8 +41,8 @@ class WatchedRun {
   /// @param truth  of T_map_body; empty: errors are not known
   WatchedRun(const std::filesystem::path& folder, Trajectory truth);
 
-  /// After reading what is new.
-  const RobotView& look();
+  /// Reads what is new.
+  const RobotView& update();
 
  private:
   struct Traffic {
@@ -68,8 +68,8 @@ class WatchedLocalizer {
  public:
   explicit WatchedLocalizer(const std::filesystem::path& folder);
 
-  /// After reading what is new.
-  const LocalizerView& look();
+  /// Reads what is new.
+  const LocalizerView& update();
 
  private:
   CsvTail status_;

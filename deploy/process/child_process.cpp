@@ -85,9 +85,9 @@ bool wait_until_readable(std::vector<pollfd> watched, int limit_ms) {
 }  // namespace
 
 ChildProcess::ChildProcess(const ChildCommand& command) {
-  std::vector<std::string> words = command.words;
+  std::vector<std::string> arguments = command.arguments;
   Preparation preparation{};
-  for (std::string& word : words) preparation.argv.push_back(word.data());
+  for (std::string& argument : arguments) preparation.argv.push_back(argument.data());
   preparation.argv.push_back(nullptr);
   const Descriptor input(open("/dev/null", O_RDONLY | O_CLOEXEC), "/dev/null");
   const Descriptor output(opened_for_writing(command.output), command.output.string());
@@ -109,7 +109,7 @@ ChildProcess::ChildProcess(const ChildCommand& command) {
   int error = 0;
   if (read(failed.number(), &error, sizeof error) == sizeof error) {  // else exec closed the pipe
     waitpid(pid_, nullptr, 0);
-    fail(error, command.words.front());
+    fail(error, command.arguments.front());
   }
   // By its number: the header of glibc 2.36 cannot be linked from C++.
   descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
@@ -133,7 +133,7 @@ void ChildProcess::signal(int number) const {
   if (!end_) kill(-pid_, number);
 }
 
-ChildEnd ChildProcess::reap() {
+ExitStatus ChildProcess::reap() {
   siginfo_t ignored{};
   const auto id = static_cast<id_t>(pid_);
   while (waitid(P_PID, id, &ignored, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
@@ -143,17 +143,17 @@ ChildEnd ChildProcess::reap() {
   rusage usage{};
   while (wait4(pid_, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  end_ = ChildEnd{.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
-                  .signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
-                  .cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime)};
+  end_ = ExitStatus{.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
+                    .signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
+                    .cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime)};
   return *end_;
 }
 
-ChildEnd ChildProcess::wait() {
+ExitStatus ChildProcess::wait() {
   return end_ ? *end_ : reap();
 }
 
-std::optional<ChildEnd> ChildProcess::wait_for(std::chrono::milliseconds limit) {
+std::optional<ExitStatus> ChildProcess::wait_for(std::chrono::milliseconds limit) {
   if (end_) return end_;
   const bool ended =
       wait_until_readable({{descriptor_, POLLIN, 0}}, static_cast<int>(limit.count()));
@@ -161,7 +161,7 @@ std::optional<ChildEnd> ChildProcess::wait_for(std::chrono::milliseconds limit) 
   return reap();
 }
 
-std::optional<ChildEnd> ChildProcess::wait(const std::stop_token& stop) {
+std::optional<ExitStatus> ChildProcess::wait(const std::stop_token& stop) {
   if (end_) return end_;
   const Descriptor wake(eventfd(0, EFD_CLOEXEC), "eventfd");
   const std::stop_callback on_stop(stop, [&wake] {
@@ -173,7 +173,7 @@ std::optional<ChildEnd> ChildProcess::wait(const std::stop_token& stop) {
   return wait_for(std::chrono::milliseconds(0));
 }
 
-ChildEnd ChildProcess::end(std::chrono::milliseconds grace) {
+ExitStatus ChildProcess::end(std::chrono::milliseconds grace) {
   signal(SIGTERM);
   if (const auto ended = wait_for(grace)) return *ended;
   signal(SIGKILL);

@@ -13,16 +13,16 @@ namespace fleetloc {
 
 /// A command, and the files that its output goes to: the child never waits for a reader.
 struct ChildCommand {
-  std::vector<std::string> words;  ///< the program's path first
-  std::filesystem::path output;    ///< is replaced
-  std::filesystem::path errors;    ///< is replaced; may be the same file
+  std::vector<std::string> arguments;  ///< the program's path first
+  std::filesystem::path output;        ///< is replaced
+  std::filesystem::path errors;        ///< is replaced; may be the same file
 };
 
 /// How a program ended.
-struct ChildEnd {
+struct ExitStatus {
   int exit_code = -1;  ///< -1: a signal ended it
-  int signal = 0;      ///< that one
-  double cpu_s = 0.0;  ///< user and system
+  int signal = 0;      ///< the signal
+  double cpu_s = 0.0;  ///< user and system time
 };
 
 /// A running program with a process group of its own, so that signals of a terminal do not reach
@@ -37,24 +37,24 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// To the program and what it has started itself.
+  /// Sends a signal to the program and its own children.
   void signal(int number) const;
 
   /// Waits for its end.
-  ChildEnd wait();
+  ExitStatus wait();
   /// Waits for at most that long.
-  std::optional<ChildEnd> wait_for(std::chrono::milliseconds limit);
+  std::optional<ExitStatus> wait_for(std::chrono::milliseconds limit);
   /// Waits for its end; nothing if a stop is requested first, and then it still runs.
-  std::optional<ChildEnd> wait(const std::stop_token& stop);
+  std::optional<ExitStatus> wait(const std::stop_token& stop);
   /// SIGTERM, and SIGKILL if it has not ended after `grace`.
-  ChildEnd end(std::chrono::milliseconds grace);
+  ExitStatus end(std::chrono::milliseconds grace);
 
  private:
-  ChildEnd reap();
+  ExitStatus reap();
 
   pid_t pid_ = -1;
   int descriptor_ = -1;  ///< of the process; readable once it has ended
-  std::optional<ChildEnd> end_;
+  std::optional<ExitStatus> end_;
 };
 
 }  // namespace fleetloc

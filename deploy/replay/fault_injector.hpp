@@ -17,7 +17,7 @@ namespace fleetloc {
 enum class FaultKind {
   kBlackImages,
   kSaturatedImages,
-  kFrozenImages,  ///< the last pair before, again and again with new stamps
+  kFrozenImages,  ///< the last pair before, repeated with new stamps
   kMissingLeft,
   kMissingRight,
   kDroppedFrames,
@@ -29,10 +29,10 @@ enum class FaultKind {
   kNonFiniteImu,
 };
 
-/// As it stands in files, e.g. "black_images".
+/// Its name in files, e.g. "black_images".
 std::string_view name(FaultKind kind);
 
-/// What goes wrong from `start_s` on, in seconds since the first image of the recording.
+/// A fault from `start_s` on, in seconds since the first image of the recording.
 struct Fault {
   FaultKind kind{};
   double start_s = 0.0;
@@ -49,8 +49,7 @@ struct FaultPlan {
 /// disordered and non-finite measurements add `share`.
 FaultPlan read_fault_plan(ConfigReader config);
 
-/// A recording with the faults of a plan; without faults the recording itself. What it gives up to
-/// some time does not depend on what comes later, and is the same for one seed.
+/// Plays a recording with the faults of a plan. Causal, and the same for one seed.
 class FaultInjector {
  public:
   FaultInjector(DatasetReader reader, FaultPlan plan);

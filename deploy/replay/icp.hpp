@@ -12,10 +12,10 @@ namespace fleetloc {
 struct IcpConfig {
   double max_distance_m = 0.0;  ///< between a point and its nearest one in the target
   int iterations = 0;           ///< at most
-  double settled_m = 0.0;       ///< a last step that moves no more than this
+  double settled_m = 0.0;       ///< converged: the last step was no larger
 };
 
-/// What became of one alignment.
+/// Result of one alignment.
 struct IcpResult {
   Pose T_target_source;
   bool converged = false;
@@ -24,7 +24,7 @@ struct IcpResult {
 };
 
 /// Iterative closest point, point to point (Besl and McKay: A method for registration of 3-D
-/// shapes, 1992), as PCL has it: a baseline to compare with. The target is searched many times.
+/// shapes, 1992), as PCL has it: a baseline to compare with. The target's k-d tree is built once.
 class IcpTarget {
  public:
   /// @param points  of the target [m]; not empty

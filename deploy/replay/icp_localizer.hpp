@@ -11,10 +11,10 @@
 
 namespace fleetloc {
 
-/// A baseline to compare the localizer with: each submap by itself, its landmarks moved onto the
-/// map's points by ICP, from where the last answer and the odometry since say that they are. It
-/// keeps no window, and knows no uncertainty: answers have a fixed covariance. In simulated time
-/// and without a link; while it works, a newer submap replaces the one that waits.
+/// A baseline to compare the localizer with: each submap by itself, its landmarks aligned to the
+/// map's points by ICP, from the last answer and the odometry since. No window, and a fixed
+/// covariance. In simulated time and without a link; while it works, a newer submap replaces the
+/// one that waits.
 class IcpLocalizer final : public MapLocalizer {
  public:
   struct Config {
@@ -25,7 +25,7 @@ class IcpLocalizer final : public MapLocalizer {
     double sigma_rad;
   };
 
-  /// @param localization_time  that each alignment is said to take
+  /// @param localization_time  assumed for each alignment
   IcpLocalizer(std::shared_ptr<const LaserMap> map,
                const Config& config,
                Duration localization_time);
@@ -35,7 +35,7 @@ class IcpLocalizer final : public MapLocalizer {
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
   void note_applied() override {}
-  void update_start(const MapOdomEstimate&) override {}  // nobody else could begin with it
+  void update_start(const MapOdomEstimate&) override {}  // there is no other localizer to start
 
  private:
   struct Running {

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kRobot = "robot";
 constexpr const char* kLocalizer = "localizer";
 
-/// The far side of the robot's MapLocalizer, in simulated time.
+/// The localization back end behind the robot's MapLocalizer, in simulated time.
 class LocalizationBackend {
  public:
   LocalizationBackend() = default;

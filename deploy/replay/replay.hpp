@@ -16,7 +16,7 @@
 
 namespace fleetloc {
 
-/// Computing times that a replay assumes, so that its latency is neither flattered nor noisy.
+/// Computing times that a replay assumes, so that its latency does not depend on the machine.
 struct ReplayDurations {
   double back_end_s;
   double localization_s;
@@ -43,12 +43,13 @@ struct ReplayOptions {
   FaultPlan faults;
   bool align_once = false;
   bool icp_baseline = false;  ///< in place of the cloud, and without the link
-  std::string config;         ///< in force, as YAML; for the run folder
+  std::string config;         ///< effective configuration, as YAML; for the run folder
 };
 
-/// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened. What is
-/// returned runs the dataset through robot, link and cloud, once, in one thread and in simulated
-/// time: the same input gives the same bits. It throws std::runtime_error, e.g. from the reader.
+/// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened.
+/// @return a function that plays the dataset through robot, link and cloud, once, in one thread and
+/// in simulated time: the same input gives the same bits. It throws std::runtime_error, e.g. from
+/// the reader.
 std::function<void(const std::stop_token&)> prepared_replay(const ReplayOptions& options,
                                                             const ReplayConfig& config);
 

@@ -7,7 +7,7 @@
 
 namespace fleetloc {
 
-/// For replays: the result appears a fixed time after the start, whatever this machine needs.
+/// For replays: the result appears a fixed time after the start, independent of this machine.
 class SimulatedBackEnd final : public BackEnd {
  public:
   SimulatedBackEnd(KeyframeWorker worker, Duration duration)

@@ -9,8 +9,8 @@
 
 namespace fleetloc {
 
-/// A localizer in simulated time, with one worker: each localization takes a fixed time, whatever
-/// this machine needs.
+/// A localizer in simulated time, with one worker: each localization takes a fixed time,
+/// independent of this machine.
 class SimulatedCloud {
  public:
   /// @param cpu_clock  only for reports; may be null

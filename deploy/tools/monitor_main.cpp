@@ -51,10 +51,10 @@ Fleet opened(const Arguments& arguments) {
   return fleet;
 }
 
-FleetView look(Fleet& fleet) {
+FleetView update(Fleet& fleet) {
   FleetView view;
-  for (WatchedRun& run : fleet.runs) view.robots.push_back(run.look());
-  for (WatchedLocalizer& one : fleet.localizers) view.localizers.push_back(one.look());
+  for (WatchedRun& run : fleet.runs) view.robots.push_back(run.update());
+  for (WatchedLocalizer& one : fleet.localizers) view.localizers.push_back(one.update());
   return view;
 }
 
@@ -89,7 +89,7 @@ int watch(Fleet& fleet, const std::stop_token& stop) {
   std::condition_variable_any stopped;
   Clock::time_point next = Clock::now();
   while (true) {
-    const FleetView view = look(fleet);
+    const FleetView view = update(fleet);
     const bool ended = std::ranges::all_of(view.robots, &RobotView::ended);
     const bool last = ended || stop.stop_requested();
     if (last || Clock::now() >= next) {
@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
       auto fleet = std::make_shared<Fleet>(opened(arguments));
       if (arguments.once) {
         return [fleet] {
-          std::cout << table(look(*fleet));
+          std::cout << table(update(*fleet));
           return static_cast<int>(kSuccess);
         };
       }

@@ -15,7 +15,7 @@ namespace {
 
 using namespace fleetloc;
 
-/// What the command line says of the link, beside or instead of a file.
+/// Options of the link, beside or instead of a file.
 struct LinkArguments {
   std::string file;
   double loss = 0.0;
@@ -58,7 +58,7 @@ ReplayConfig read_config(const ConfigReader& config) {
                         .localization_s = durations.positive("localization_s")}};
 }
 
-/// The configuration of the program, with what the command line says of it.
+/// The configuration of the program, with the options of the command line.
 ConfigReader effective(const Program& program, std::optional<int> window) {
   ConfigReader config = program.config();
   if (window) {

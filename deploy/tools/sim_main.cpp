@@ -105,15 +105,16 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->needs(scene);
 }
 
-// Of the whole way, whatever part of it is simulated: seasons share the scene.
+// Along the whole path, whatever part of it is simulated: seasons share the scene.
 Scene built_scene(const Arguments& arguments,
                   const SimMotion& motion,
                   const SimConfig& config,
                   const SceneConfig& scene) {
-  if (arguments.built_along.empty()) return build_scene(scene, motion.way_m, arguments.scene_seed);
-  const auto streets_m = way_along(arguments.built_along, config);
+  if (arguments.built_along.empty())
+    return build_scene(scene, motion.path_map, arguments.scene_seed);
+  const auto streets_m = path_along(arguments.built_along, config);
   try {
-    expect_within(motion.way_m, streets_m, static_cast<double>(scene.clearance_m));
+    expect_within(motion.path_map, streets_m, static_cast<double>(scene.clearance_m));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(arguments.route + ": " + error.what() + " (" +
                                 arguments.built_along + ")");

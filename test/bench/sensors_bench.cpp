@@ -23,7 +23,7 @@ void print_sessions(const std::string& folder) {
   const Duration begin = thread_cpu_time();
   const Scene scene = build_scene(world.scene, route, 1);
   const Duration built = thread_cpu_time();
-  const SeasonScene survey = session_of(world, scene, world.survey);
+  const SeasonScene survey = season_of(world, scene, world.survey);
   const Duration applied = thread_cpu_time();
   std::printf("route %.0f m: %zu triangles, scene %.2f s, season %.2f s\n",
               static_cast<double>(scene.route->length_m()),
@@ -32,8 +32,8 @@ void print_sessions(const std::string& folder) {
               to_seconds(applied - built));
   const StereoCalibration cameras = campus_cameras();
   for (const SeasonConfig& config : world.seasons) {
-    const SeasonScene season = session_of(world, scene, config.name);
-    std::vector<SeenLandmark> all;
+    const SeasonScene season = season_of(world, scene, config.name);
+    std::vector<VisibleLandmark> all;
     std::size_t least = 1000;
     for (int i = 0; i < 24; ++i) {
       StereoRenderer renderer(cameras, season, camera_settings(2), 1);
@@ -41,11 +41,11 @@ void print_sessions(const std::string& folder) {
       const StereoFrame frame =
           renderer.render({.stamp = {}, .time_s = 1.0 * i, .frame = 0},
                           [i](double) { return T_map_body_on_eight(i / 24.0); });
-      const auto landmarks = seen_landmarks(frame.left,
-                                            season.at(1.0 * i).caster,
-                                            cameras.cam0,
-                                            T_map_body * cameras.T_body_cam0,
-                                            400);
+      const auto landmarks = visible_landmarks(frame.left,
+                                               season.at(1.0 * i).caster,
+                                               cameras.cam0,
+                                               T_map_body * cameras.T_body_cam0,
+                                               400);
       all.insert(all.end(), landmarks.begin(), landmarks.end());
       least = std::min(least, landmarks.size());
       if (!folder.empty() && i % 6 == 1) {
@@ -63,7 +63,7 @@ void print_sessions(const std::string& folder) {
 void stereo_pair(benchmark::State& state, const std::string& name) {
   const WorldConfig world = campus();
   const Scene scene = build_scene(world.scene, eight(), 1);
-  const SeasonScene season = session_of(world, scene, name);
+  const SeasonScene season = season_of(world, scene, name);
   StereoRenderer renderer(campus_cameras(), season, camera_settings(1), 1);
   std::uint64_t frame = 0;
   while (state.KeepRunning()) {

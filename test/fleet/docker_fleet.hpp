@@ -14,12 +14,13 @@ namespace fleetloc {
 /// Runs `docker` with these words. Throws std::runtime_error with what it said unless it succeeds.
 Outcome docker(const std::vector<std::string>& words);
 
-/// Containers on networks of their own, with a discovery server: the built programs on this
-/// machine's own libraries, without any right, without a way out. Sites `east` and `west` reach the
-/// cloud's side only. All of it is gone with this object, and at the latest with this process.
+/// Containers on networks of their own, with a discovery server: the built programs with this
+/// machine's libraries, without capabilities, and without access to other networks. Sites `east`
+/// and `west` reach the cloud's side only. Everything is removed with this object, and at the
+/// latest with this process.
 class DockerFleet {
  public:
-  /// Why there can be none here; nothing: there can.
+  /// Why Docker cannot be used here; nothing if it can.
   static std::optional<std::string> why_impossible();
 
   /// @param outputs  folder that containers may write to, at the same path

@@ -17,8 +17,8 @@ struct DrivingRobot {
   double start_s = 0.0;  ///< into the flight
 };
 
-/// The project's programs in a DockerFleet: localizers with a map, and robots that play drives by
-/// their tracks, in real time. Each writes to a folder of its own.
+/// The project's programs in a DockerFleet: localizers with a map, and robots that play recorded
+/// tracks in real time. Each writes to a folder of its own.
 class DrivingFleet {
  public:
   /// @param folder   gets a folder for each robot and localizer
@@ -36,9 +36,10 @@ class DrivingFleet {
   void start_localizer(const std::string& name,
                        const std::filesystem::path& map,
                        const DockerFleet::Words& options);
-  /// Until it has its map and tells of itself. Throws std::runtime_error if that takes a minute.
+  /// Waits until it has its map and sends its status. Throws std::runtime_error if that takes a
+  /// minute.
   void wait_until_it_serves(const std::string& localizer) const;
-  /// One that has been killed.
+  /// Restarts one that has been killed.
   void start_again(const std::string& localizer) const;
   /// @param run  name of its container and folder
   void start_robot(const DrivingRobot& robot, const std::string& run);
@@ -46,7 +47,7 @@ class DrivingFleet {
   /// The localizer that most of these robots had their last answer from. Throws
   /// std::runtime_error if none had any.
   [[nodiscard]] std::string busiest(const std::vector<DrivingRobot>& robots) const;
-  /// The stamp that a run has reached.
+  /// Stamp of the last frame of a run so far.
   [[nodiscard]] Timestamp reached(const std::string& run) const;
 
  private:

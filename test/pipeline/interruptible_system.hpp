@@ -11,7 +11,7 @@
 
 namespace fleetloc {
 
-/// A channel that can be cut: then nothing passes, and nothing is kept.
+/// A channel that can be cut: then all messages are dropped.
 class SeverableChannel final : public Channel {
  public:
   explicit SeverableChannel(std::unique_ptr<Channel> whole) : whole_(std::move(whole)) {}
@@ -32,7 +32,7 @@ class SeverableChannel final : public Channel {
   std::unique_ptr<Channel> whole_;
 };
 
-/// A robot in simulated time, and localizers that come, go and hang.
+/// A robot in simulated time, and localizers that start, stop and hang.
 class InterruptibleSystem {
  public:
   InterruptibleSystem(const SimulatedRun& run, const Pose& T_map_body_start)
@@ -59,7 +59,7 @@ class InterruptibleSystem {
   }
   /// As kill -9.
   void stop(const std::string& name) { localizers_.erase(name); }
-  /// From now on it only says that it accepts robots.
+  /// From now on it sends its status, but no answers.
   void hang(const std::string& name) { localizers_.at(name).hangs = true; }
   void cut(bool is_cut) { robot_end_.is_cut = is_cut; }
 

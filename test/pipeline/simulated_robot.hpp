@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-/// A robot in simulated time and on simulated tracks, with what it puts out.
+/// A robot in simulated time and on simulated tracks, with its output.
 class SimulatedRobot {
  public:
   SimulatedRobot(const SimulatedRun& run, Channel& channel, const Pose& T_map_body_start)

@@ -22,8 +22,8 @@ ChildCommand command(const std::string& program,
                      const std::vector<std::string>& arguments,
                      const std::filesystem::path& output,
                      const std::filesystem::path& errors) {
-  ChildCommand command{.words = {program}, .output = output, .errors = errors};
-  command.words.insert(command.words.end(), arguments.begin(), arguments.end());
+  ChildCommand command{.arguments = {program}, .output = output, .errors = errors};
+  command.arguments.insert(command.arguments.end(), arguments.begin(), arguments.end());
   return command;
 }
 

@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// What a program left when it ended.
+/// Exit code and output of a program.
 struct Outcome {
   int exit_code = -1;  ///< -1: it did not exit but crashed
   std::string output;

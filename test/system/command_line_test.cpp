@@ -202,7 +202,7 @@ TEST_F(CommandLine, IsCheckedByTheRobot) {
   expect_refused(FLEETLOC_ROBOT, with(good, "--out", file("file") + "/out"), file("file") + "/out");
   expect_refused(FLEETLOC_ROBOT, with(good, "--rate", "-1"), "--rate");
   expect_refused(FLEETLOC_ROBOT, with(good, "--duration", "0"), "--duration");
-  expect_refused(FLEETLOC_ROBOT, with(good, "--codec", "morse"), "morse");
+  expect_refused(FLEETLOC_ROBOT, with(good, "--encoding", "morse"), "morse");
 }
 
 TEST_F(CommandLine, IsCheckedByTheCloud) {

@@ -22,7 +22,7 @@ class DdsFixture : public testing::Test {
     if (flight_.folder.empty()) flight_ = simulated_room();
   }
 
-  /// The command line of a robot that is told its pose at its first image.
+  /// The command line of a robot with a start pose at its first image.
   /// @param start_s  seconds of the flight to skip
   [[nodiscard]] Arguments robot(const std::string& id,
                                 const Arguments& more,

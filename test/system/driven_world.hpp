@@ -6,16 +6,16 @@
 
 namespace fleetloc {
 
-/// A made-up campus: the laser map of the streets around a block, and two drives on them by their
-/// tracks, one in each direction.
+/// A simulated campus: the laser map of the streets around a block, and the tracks of two drives on
+/// them, one in each direction.
 struct DrivenWorld {
   std::filesystem::path map;
   RecordedFlight forward;
   RecordedFlight reverse;
 
-  /// Made once and kept in the build tree, until one of the programs that make it changes; who asks
-  /// meanwhile waits. Throws std::runtime_error with what a program said.
-  /// @param min_s  length of the drives, in rounds of 108 s
+  /// Made once and kept in the build tree, until one of the programs that make it changes; locked
+  /// meanwhile. Throws std::runtime_error with what a program said.
+  /// @param min_s  length of the drives, in laps of 108 s
   static DrivenWorld kept(double min_s = 100.0);
 };
 

@@ -9,7 +9,7 @@
 namespace fleetloc {
 
 /// qos_profiles/lan.xml with its participants on the loopback interface, found by unicast, so that
-/// a test meets only its own programs, whatever the network; and a DDS domain.
+/// a test reaches only its own programs, independent of the network; and a DDS domain.
 class LoopbackNetwork {
  public:
   LoopbackNetwork();

@@ -59,16 +59,16 @@ NetworkNamespace::NetworkNamespace() : namespace_(made_namespace()) {
   ip("link set lo up");
 }
 
-NetworkNamespace::Stay::Stay(const NetworkNamespace& inside) : before_(opened(kOwn)) {
+NetworkNamespace::Scope::Scope(const NetworkNamespace& inside) : before_(opened(kOwn)) {
   if (setns(inside.namespace_.number(), CLONE_NEWNET) != 0) fail("setns");
 }
 
-NetworkNamespace::Stay::~Stay() {
+NetworkNamespace::Scope::~Scope() {
   setns(before_.number(), CLONE_NEWNET);
 }
 
 void NetworkNamespace::ip(const std::string& words) const {
-  const Stay inside(*this);
+  const Scope inside(*this);
   std::vector<std::string> arguments;
   std::istringstream stream(words);
   for (std::string word; stream >> word;) arguments.push_back(word);

@@ -20,31 +20,31 @@ class OwnedDescriptor {
   int number_;
 };
 
-/// A network of its own in the kernel, with its loopback up. It is gone with this object and the
-/// programs that were started in it.
+/// A network namespace, with its loopback up. It ends with this object and the programs that were
+/// started in it.
 class NetworkNamespace {
  public:
-  /// Why namespaces cannot be made here; nothing: they can.
+  /// Why namespaces cannot be made here; nothing if they can.
   static std::optional<std::string> why_impossible();
 
   NetworkNamespace();
 
   /// While it lives, this thread is in the namespace, and so are the programs that it starts.
-  class Stay {
+  class Scope {
    public:
-    explicit Stay(const NetworkNamespace& inside);
-    ~Stay();
-    Stay(const Stay&) = delete;
-    Stay& operator=(const Stay&) = delete;
+    explicit Scope(const NetworkNamespace& inside);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
 
    private:
     OwnedDescriptor before_;
   };
-  [[nodiscard]] Stay enter() const { return Stay(*this); }
+  [[nodiscard]] Scope enter() const { return Scope(*this); }
 
   /// Runs `ip` with these words inside. Throws std::runtime_error with what it said.
   void ip(const std::string& words) const;
-  /// For the words of another one.
+  /// For ip() of another one.
   [[nodiscard]] std::string path() const;
 
  private:

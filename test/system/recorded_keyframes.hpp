@@ -16,7 +16,7 @@
 
 namespace fleetloc {
 
-/// One stereo pair as the robot's tracking sees it, and where it was taken.
+/// The observations of the robot's tracking in one stereo pair, and its true pose.
 struct RecordedKeyframe {
   Timestamp stamp;
   Pose T_map_body;  ///< ground truth
@@ -30,12 +30,12 @@ struct RecordedKeyframes {
   std::shared_ptr<const LaserMap> map;
 };
 
-/// Features are found anew in every pair: what one pair sees has no name in the next one. Pairs
-/// without ground truth are left out.
+/// Features are detected anew in every pair, so that no track spans two pairs. Pairs without ground
+/// truth are left out.
 /// @param tracking  of the robot, YAML: what differs from the defaults
 RecordedKeyframes read_keyframes(const std::filesystem::path& dataset, const std::string& tracking);
 
-/// What is made wrong of the truth. Directions are random, by the seed; magnitudes are as given.
+/// Errors added to the truth. Directions are random, by the seed; magnitudes are as given.
 struct Disturbance {
   double start_m;
   double start_rad;
@@ -45,8 +45,8 @@ struct Disturbance {
   std::uint64_t seed;
 };
 
-/// What a robot would tell a localizer of `count` successive pairs: one submap for each, with an
-/// edge to the one before. `odom` begins at the first of them.
+/// The submaps of a robot for `count` successive pairs: one for each, with an edge to the one
+/// before. `odom` begins at the first of them.
 class KeyframeRun {
  public:
   KeyframeRun(const RecordedKeyframes& recorded,

@@ -24,11 +24,12 @@ struct AnswerLine {
   bool applied = false;
 };
 
-/// What a run folder holds so far; the run may still be going on.
+/// Lines of a run folder so far; the run may still be going on.
 std::vector<FrameLine> frames_of(const std::filesystem::path& run);
 std::vector<AnswerLine> answers_of(const std::filesystem::path& run);
 
-/// Waits until the run has played `data` since its first frame; the stamp it has then reached.
+/// Waits until the run has played `data` since its first frame.
+/// @return the stamp that it has reached
 /// Throws std::runtime_error after `patience` of real time.
 Timestamp wait_for_data(const std::filesystem::path& run,
                         std::chrono::duration<double> data,

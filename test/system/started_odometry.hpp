@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// What became of odometry that was switched on somewhere in a recording.
+/// Result of odometry that was started somewhere in a recording.
 struct StartOutcome {
   double start_s = 0.0;                ///< of the recording, from its first image
   std::optional<double> first_pose_s;  ///< after the start, in time of the data

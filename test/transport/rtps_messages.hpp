@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-// RTPS messages, little endian, as nobody but a test builds them.
+// RTPS messages, little endian, for tests.
 
 class ByteWriter {
  public:
@@ -154,9 +154,9 @@ inline Bytes random_message(std::mt19937& random, const GuidPrefix& from = {}) {
   Bytes message = message_of(submessages, from);
   constexpr std::size_t kHeader = 20;
   for (auto i = random() % 5; i > 0; --i) {
-    constexpr std::array<std::uint8_t, 6> kTelling{0x00, 0x01, 0x7f, 0x80, 0xfe, 0xff};
+    constexpr std::array<std::uint8_t, 6> kBoundaryValues{0x00, 0x01, 0x7f, 0x80, 0xfe, 0xff};
     std::uint8_t& byte = message[kHeader + random() % (message.size() - kHeader)];
-    byte = random() % 2 == 0 ? kTelling[random() % kTelling.size()]
+    byte = random() % 2 == 0 ? kBoundaryValues[random() % kBoundaryValues.size()]
                              : static_cast<std::uint8_t>(random());
   }
   if (random() % 8 == 0) message.resize(random() % message.size());

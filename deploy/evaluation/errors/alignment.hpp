@@ -8,13 +8,13 @@ namespace fleetloc {
 
 enum class Alignment {
   kNone,
-  kYaw,  ///< position and heading: what odometry with gravity cannot know
+  kYaw,  ///< position and yaw, which are unobservable to visual-inertial odometry
   kSe3,
 };
 
 /// T_truth_estimate that minimizes the squared distances of positions (Umeyama 1991, without
-/// scale). Identity for kNone and without pairs; where the positions leave a rotation free, some
-/// minimizer.
+/// scale). Identity for kNone and without pairs; where the positions leave a rotation free, one of
+/// the minimizers.
 Pose align(std::span<const PosePair> pairs, Alignment alignment);
 
 /// Aligns position and heading of the first pair exactly, and leaves roll and pitch as estimated:

@@ -16,7 +16,7 @@ struct StampedCovariance {
   Matrix6d covariance;  ///< right perturbation of the pose at stamp
 };
 
-/// The covariances that a run states; stamps strictly increase.
+/// The covariances of a run; stamps strictly increase.
 struct RunCovariances {
   std::vector<StampedCovariance> map;   ///< of T_map_body
   std::vector<StampedCovariance> odom;  ///< of T_odom_body
@@ -27,7 +27,7 @@ struct RunCovariances {
 /// they are. A frame without a pose has `nan` or nothing there. Throws TextFileError.
 RunCovariances read_covariances(const std::filesystem::path& path);
 
-/// State and network at one frame, as diagnostics.csv tells them.
+/// State and network at one frame, of diagnostics.csv.
 struct FrameDiagnostics {
   Timestamp stamp;
   std::string state;

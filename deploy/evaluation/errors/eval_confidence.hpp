@@ -9,12 +9,12 @@
 
 namespace fleetloc {
 
-/// Whether a robot that trusts the state `localized` would have been misled:
+/// How reliable the state `localized` was:
 ///
 /// - `localized_frames`: frames in that state that have ground truth
 /// - `worst_m`: the largest error of position among them
 /// - `confidently_wrong`: how many of them are wrong by more than 0.5 m and, at once, by more than
-///   three standard sigmas of the stated covariance of position
+///   three sigmas of the stated covariance of position
 nlohmann::json confidence(const std::vector<PosePair>& map_poses,
                           const RunCovariances& covariances);
 

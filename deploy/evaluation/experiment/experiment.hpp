@@ -15,7 +15,7 @@ struct ExperimentOptions {
   int jobs = 1;
 };
 
-/// How far it came.
+/// Counts of runs.
 struct ExperimentCounts {
   std::size_t runs = 0;      ///< of the plan
   std::size_t finished = 0;  ///< well
@@ -23,7 +23,7 @@ struct ExperimentCounts {
 };
 
 /// Makes what is missing of datasets, maps and runs, and then results.csv and report.html of all
-/// that there is, also if a stop was requested. Prints a line for each piece of work. Throws
+/// results, also if a stop was requested. Prints a line for each piece of work. Throws
 /// std::runtime_error, e.g. if a dataset cannot be made.
 ExperimentCounts run_experiment(const Plan& plan,
                                 const Programs& programs,

@@ -66,9 +66,9 @@ std::string error_lines(const std::vector<Result>& results) {
     const auto evaluation = &Result::evaluation;
     print(mean_of(group, evaluation, "/ate/median"));
     print(mean_of(group, evaluation, "/ate/std"));
-    print(greatest_of(group, evaluation, "/ate/max"));
+    print(max_of(group, evaluation, "/ate/max"));
     print(mean_of(group, evaluation, "/aligned_once/ate/median"));
-    print(least_of(group, evaluation, "/aligned_once/ratio/median"));
+    print(min_of(group, evaluation, "/aligned_once/ratio/median"));
     print(mean_of(group, evaluation, "/odometry_ate/median"));
     text << '\n';
   }

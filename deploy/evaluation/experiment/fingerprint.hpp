@@ -10,12 +10,12 @@ struct XXH3_state_s;
 
 namespace fleetloc {
 
-/// A hash by which work that has been done is found again (XXH3, 64 bit). Not against intent.
+/// A hash that identifies work that has been done (XXH3, 64 bit); not cryptographic.
 class Fingerprint {
  public:
   Fingerprint();
 
-  /// A named part; parts do not run into each other.
+  /// A named part; the boundaries of parts are hashed as well.
   Fingerprint& add(std::string_view name, std::string_view value);
   /// The content of a file. Throws std::runtime_error if it cannot be read.
   Fingerprint& add_file(std::string_view name, const std::filesystem::path& file);

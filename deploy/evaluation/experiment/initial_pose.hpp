@@ -9,8 +9,8 @@
 
 namespace fleetloc {
 
-/// Where a start pose lies from the truth: x, y, z in map [m] and yaw [deg]. Direction and sign are
-/// drawn; a third of the distance is upwards or downwards.
+/// Displacement of a start pose from the truth: x, y, z in map [m] and yaw [deg]. Direction and
+/// sign are drawn by the seed; a third of the distance is vertical.
 std::array<double, 4> start_displacement(const StartError& error, std::uint64_t seed);
 
 /// Stamp of the first frame that is not before `start_s` of a recording.

@@ -13,21 +13,22 @@
 
 namespace fleetloc {
 
-/// A dataset or a map, and what tells it from another one.
+/// A dataset or a map, with the hash of its content or of how it is made.
 struct Input {
   std::filesystem::path path;  ///< dataset folder, or map.pcd
   std::string identity;
   std::filesystem::path ground_truth;  ///< of a dataset
 };
 
-/// The datasets and maps of a plan. What has to be made lies in `store`, in folders named by the
-/// hash of what it is made of, and is made once.
+/// The datasets and maps of a plan. What has to be made is made once, in folders of `store` that
+/// are named by the hash of its inputs.
 class Inputs {
  public:
-  /// Makes nothing yet, but reads what is there. Throws std::runtime_error.
+  /// Makes nothing yet, but reads existing files. Throws std::runtime_error.
   Inputs(const Plan& plan, const Programs& programs, std::filesystem::path store);
 
-  /// What is not there yet: all datasets, and then all maps, which are made of datasets.
+  /// Tasks that make what is missing: first all datasets, then all maps, which are made of
+  /// datasets.
   [[nodiscard]] std::vector<Task> missing_datasets(int threads) const;
   [[nodiscard]] std::vector<Task> missing_maps() const;
 
@@ -48,7 +49,7 @@ class Inputs {
   std::map<std::string, Input> maps_;
 };
 
-/// The folder is made under another name, which is removed unless `make` has returned.
+/// Makes the folder under a temporary name, which is removed if `make` throws.
 void make_folder(const std::filesystem::path& folder,
                  const std::function<void(const std::filesystem::path& part)>& make);
 

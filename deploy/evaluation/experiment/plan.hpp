@@ -17,7 +17,7 @@ namespace fleetloc {
 struct SimulatedDataset {
   std::filesystem::path scene;
   std::filesystem::path route;
-  std::filesystem::path built_along;  ///< route that the world is built around; empty: this one
+  std::filesystem::path built_along;  ///< route along which the world is built; empty: this one
   std::string season;
   std::uint64_t seed = 1;
   std::uint64_t scene_seed = 1;
@@ -29,7 +29,7 @@ struct SimulatedDataset {
   bool survey = false;  ///< a lidar, no cameras
 };
 
-/// A dataset that is there.
+/// An existing dataset.
 struct RecordedDataset {
   std::filesystem::path folder;
   std::filesystem::path ground_truth;
@@ -46,7 +46,7 @@ struct DatasetSpec {
   }
 };
 
-/// A map that is there (.pcd with its .yaml), a point cloud to make one of, or surveys.
+/// An existing map (.pcd with its .yaml), a point cloud to make one of, or surveys.
 struct MapSpec {
   std::string name;
   std::filesystem::path file;
@@ -69,7 +69,7 @@ struct LinkSpec {
 
 enum class Mode { kReplay, kDds };
 
-/// How far the start pose that a robot is told lies from the truth; where to, a run's seed draws.
+/// Error of the start pose that a robot is given; its direction is drawn by the run's seed.
 struct StartError {
   double position_m = 0.3;
   double yaw_deg = 3.0;

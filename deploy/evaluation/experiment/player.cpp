@@ -129,7 +129,7 @@ void play_over_dds(const Run& run,
                 "--out",
                 (place.folder / "localizer").string()};
     words.insert(words.end(), network.begin(), network.end());
-    cloud.emplace(ChildCommand{.words = words, .output = log, .errors = log});
+    cloud.emplace(ChildCommand{.arguments = words, .output = log, .errors = log});
     wait_until_serving(*cloud, log, stop);
   }
   try {

@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// Where a run is played.
+/// Run folder and slot of a run.
 struct Place {
   std::filesystem::path folder;  ///< becomes its run folder
   int slot = 0;

@@ -38,18 +38,18 @@ const std::string& Programs::fingerprint(const std::string& name) const {
   return fingerprints_.at(name);
 }
 
-void run_program(const std::vector<std::string>& words,
+void run_program(const std::vector<std::string>& command,
                  const std::filesystem::path& log,
                  const std::stop_token& stop) {
   constexpr std::chrono::seconds kGrace(5);
   if (stop.stop_requested()) throw Interrupted();
-  ChildProcess child({.words = words, .output = log, .errors = log});
+  ChildProcess child({.arguments = command, .output = log, .errors = log});
   const auto ended = child.wait(stop);
   if (!ended || stop.stop_requested()) {
     child.end(kGrace);
     throw Interrupted();
   }
-  expect_success(words.front(), ended->exit_code, log);
+  expect_success(command.front(), ended->exit_code, log);
 }
 
 void expect_success(const std::string& program, int exit_code, const std::filesystem::path& log) {

@@ -33,7 +33,7 @@ class Programs {
   explicit Programs(const std::filesystem::path& folder);
 
   [[nodiscard]] const std::string& path(const std::string& name) const;
-  /// Of the program's content: what another version has made is made anew.
+  /// Hash of the program's content: a new version makes its results again.
   [[nodiscard]] const std::string& fingerprint(const std::string& name) const;
 
  private:
@@ -43,17 +43,17 @@ class Programs {
 
 /// Runs a program to its end, with everything that it prints in `log`. Throws Interrupted, after
 /// having ended it, and ProgramFailed with the last line that it printed.
-void run_program(const std::vector<std::string>& words,
+void run_program(const std::vector<std::string>& command,
                  const std::filesystem::path& log,
                  const std::stop_token& stop);
 
-/// Throws ProgramFailed for an end that is none of success.
+/// Throws ProgramFailed unless the exit code is one of success.
 void expect_success(const std::string& program, int exit_code, const std::filesystem::path& log);
 
-/// Shortest text that is the same number.
+/// Shortest text that is read back as the same number.
 std::string exact_text(double value);
 
-/// Of a whole file; throws std::runtime_error.
+/// Content of a file; throws std::runtime_error.
 std::string text_of(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);
 

@@ -27,7 +27,7 @@ std::vector<double> values_of(const Group& group,
                               const std::string& pointer) {
   std::vector<double> values;
   for (const Result* result : group.results) {
-    const json value = figure(result->*source, pointer);
+    const json value = number_at(result->*source, pointer);
     if (value.is_number()) values.push_back(value.get<double>());
   }
   return values;
@@ -44,17 +44,13 @@ std::optional<double> mean_of(const Group& group,
   return mean(values_of(group, source, pointer));
 }
 
-std::optional<double> least_of(const Group& group,
-                               json Result::*source,
-                               const std::string& pointer) {
+std::optional<double> min_of(const Group& group, json Result::*source, const std::string& pointer) {
   const auto values = values_of(group, source, pointer);
   if (values.empty()) return std::nullopt;
   return std::ranges::min(values);
 }
 
-std::optional<double> greatest_of(const Group& group,
-                                  json Result::*source,
-                                  const std::string& pointer) {
+std::optional<double> max_of(const Group& group, json Result::*source, const std::string& pointer) {
   const auto values = values_of(group, source, pointer);
   if (values.empty()) return std::nullopt;
   return std::ranges::max(values);

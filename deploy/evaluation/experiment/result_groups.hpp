@@ -17,7 +17,7 @@ struct Group {
 /// In the order of the results.
 std::vector<Group> groups_of(const std::vector<Result>& results);
 
-/// A figure of each result that has it.
+/// The value of each result that has it.
 std::vector<double> values_of(const Group& group,
                               nlohmann::json Result::*source,
                               const std::string& pointer);
@@ -26,11 +26,11 @@ std::vector<double> values_of(const Group& group,
 std::optional<double> mean_of(const Group& group,
                               nlohmann::json Result::*source,
                               const std::string& pointer);
-std::optional<double> least_of(const Group& group,
-                               nlohmann::json Result::*source,
-                               const std::string& pointer);
-std::optional<double> greatest_of(const Group& group,
-                                  nlohmann::json Result::*source,
-                                  const std::string& pointer);
+std::optional<double> min_of(const Group& group,
+                             nlohmann::json Result::*source,
+                             const std::string& pointer);
+std::optional<double> max_of(const Group& group,
+                             nlohmann::json Result::*source,
+                             const std::string& pointer);
 
 }  // namespace fleetloc

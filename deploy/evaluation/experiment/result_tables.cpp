@@ -57,11 +57,11 @@ std::string error_table(const Plan& plan, const std::vector<Group>& groups) {
     for (const char* pointer : {"/ate/median", "/ate/std", "/ate/rmse"}) {
       row.push_back(value(pointer));
     }
-    row.push_back(cell(greatest_of(group, evaluation, "/ate/max")));
+    row.push_back(cell(max_of(group, evaluation, "/ate/max")));
     for (const char* pointer : {"/rotation_deg/median", "/aligned_once/ate/median"}) {
       row.push_back(value(pointer));
     }
-    row.push_back(cell(least_of(group, evaluation, "/aligned_once/ratio/median")));
+    row.push_back(cell(min_of(group, evaluation, "/aligned_once/ratio/median")));
     for (const char* pointer : {"/odometry_ate/median", "/odometry_ate/rmse", "/nees/map"}) {
       row.push_back(value(pointer));
     }

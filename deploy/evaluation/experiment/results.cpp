@@ -103,7 +103,7 @@ std::string axes(const Run& run) {
 
 }  // namespace
 
-json figure(const json& object, const std::string& pointer) {
+json number_at(const json& object, const std::string& pointer) {
   const json::json_pointer path(pointer);
   return object.contains(path) ? object.at(path) : json();
 }
@@ -129,7 +129,7 @@ std::string results_csv(const std::vector<Result>& results) {
   for (const Result& result : results) {
     text += axes(*result.run);
     for (const Column& column : kFigures) {
-      const json value = figure(result.*column.source, column.pointer);
+      const json value = number_at(result.*column.source, column.pointer);
       text += "," + (value.is_number() ? value.dump() : "");
     }
     text += "," + std::to_string(result.exit_status) + "," +

@@ -10,7 +10,7 @@
 
 namespace fleetloc {
 
-/// A run that has ended, with what it left.
+/// A run that has ended, with its output.
 struct Result {
   const Run* run;
   std::filesystem::path folder;
@@ -26,10 +26,10 @@ struct Result {
 std::vector<Result> read_results(const std::vector<Run>& runs, const std::filesystem::path& folder);
 
 /// A number by its JSON pointer; null if it is not there.
-nlohmann::json figure(const nlohmann::json& object, const std::string& pointer);
+nlohmann::json number_at(const nlohmann::json& object, const std::string& pointer);
 
-/// results.csv: one line a run, the axes of the matrix and then the figures, SI units. A figure
-/// that a run does not have is empty.
+/// results.csv: one line a run, the axes of the matrix and then the values, SI units. A value that
+/// a run does not have is empty.
 std::string results_csv(const std::vector<Result>& results);
 
 }  // namespace fleetloc

@@ -26,7 +26,7 @@ struct Run {
 /// All runs of a plan, in the order dataset, configuration, link, seed. The plan must outlive them.
 std::vector<Run> runs_of(const Plan& plan, const Inputs& inputs, const Programs& programs);
 
-/// What a run needs beside itself.
+/// Inputs of a run.
 struct RunContext {
   const Plan* plan;
   const Inputs* inputs;

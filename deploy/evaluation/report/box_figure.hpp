@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-/// What a box tells of a distribution.
+/// Quantiles that a box shows.
 struct Box {
   double p5 = 0.0;
   double q1 = 0.0;
@@ -16,10 +16,10 @@ struct Box {
   double max = 0.0;
 };
 
-/// Nothing of nothing.
+/// Nothing for no values.
 std::optional<Box> box_of(const std::vector<double>& values);
 
-/// A place on the horizontal axis, with a box of each series or none.
+/// A position on the horizontal axis, with a box of each series or none.
 struct BoxGroup {
   std::string label;
   std::vector<std::optional<Box>> boxes;
@@ -27,7 +27,7 @@ struct BoxGroup {
 
 struct BoxFigure {
   std::string id;
-  std::string title;  ///< for who cannot see it
+  std::string title;  ///< for screen readers
   std::string x_label;
   std::string y_label;
   std::vector<std::string> series;  ///< names, at most three

@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-// Colours that people with any kind of colour vision tell apart (Okabe and Ito 2008).
+// Colours for people with any kind of colour vision (Okabe and Ito 2008).
 namespace colour {
 inline constexpr const char* kBlue = "#0072B2";
 inline constexpr const char* kVermillion = "#D55E00";
@@ -25,8 +25,8 @@ inline constexpr int kWidth_px = 480;  ///< of every drawing; a browser scales i
 /// A drawing by gnuplot: data blocks and commands.
 class Drawing {
  public:
-  /// @param id     starts with a letter; the same one twice in a page would mix up their symbols
-  /// @param title  for who cannot see it
+  /// @param id     starts with a letter; unique in a page
+  /// @param title  for screen readers
   Drawing(std::string id, std::string title, int height_px);
 
   /// Makes `$name` of columns of numbers; an empty row interrupts a line. At least one row.
@@ -45,7 +45,7 @@ class Drawing {
 /// Seconds and a value.
 using Series = std::vector<std::pair<double, double>>;
 
-/// At most `most` points: of each of so many equal intervals of time, that of the largest |value|,
+/// At most `max` points: of each of so many equal intervals of time, that of the largest |value|,
 /// so that peaks stay.
 Series thinned(const Series& series, std::size_t max);
 

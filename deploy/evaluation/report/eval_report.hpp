@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// What the command line says of run folders.
+/// Command line arguments for run folders.
 struct RunArguments {
   std::vector<std::string> runs;
   std::vector<std::string> truths;  ///< one for all runs, one for each, or none

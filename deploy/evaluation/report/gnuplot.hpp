@@ -5,7 +5,7 @@
 namespace fleetloc {
 
 /// What the program `gnuplot` writes to stdout when it is given `script`. Throws std::runtime_error
-/// if the program is missing, or does not like the script; then with its own words.
+/// if the program is missing, or rejects the script; then with its message.
 std::string gnuplot_output(const std::string& script);
 
 }  // namespace fleetloc

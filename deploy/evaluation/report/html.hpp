@@ -15,7 +15,7 @@ std::string table(const std::vector<std::string>& header,
                   const std::vector<std::vector<std::string>>& rows,
                   bool numbers = true);
 
-/// At most `digits` significant digits, no exponent for what a reader would not expect one.
+/// At most `digits` significant digits, an exponent only for very large and very small numbers.
 std::string number_text(double value, int digits = 4);
 
 }  // namespace fleetloc

@@ -41,7 +41,7 @@ Rows rates(const RunData& run, double FrameDiagnostics::*counter, double interva
   return rows;
 }
 
-/// From zero to a little above the largest value, and to `least` at any rate.
+/// From zero to a little above the largest value, and to `least` at least.
 std::string range_from_zero(const Rows& rows, double min) {
   double max = min;
   for (const auto& row : rows) max = std::max(max, 1.1 * row[1]);
@@ -88,7 +88,7 @@ Rows boxes(const RunData& run, const Lane& lane, double y) {
   return rows;
 }
 
-/// Upright strokes, one for all answers that are not to be told apart.
+/// Upright strokes, one for all answers that would overlap.
 Rows strokes(const RunData& run, bool applied, double y) {
   constexpr double kHalf = 0.3;
   const double min_s = length_s(run) / static_cast<double>(kMaxMarks);

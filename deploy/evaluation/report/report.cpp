@@ -72,7 +72,7 @@ std::string run_section(const RunData& run,
                         {"states", states_figure(run, place.prefix)},
                         {"bytes", bytes_figure(run, place.prefix)},
                         {"link", link_figure(run, place.prefix)},
-                        {"summary", figures_table(run.summary)}};
+                        {"summary", values_table(run.summary)}};
   if (input.truth) {
     add_figures_with_truth(run, input, common, place.prefix, values);
   } else {

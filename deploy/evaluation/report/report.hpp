@@ -24,9 +24,9 @@ struct ReportInput {
   Duration max_gap{};                           ///< that the ground truth is interpolated across
 };
 
-/// One page of HTML with everything that it needs: figures of the runs, drawn by gnuplot, and
-/// tables of what they count. The same input gives the same bytes. A replay's own sessions.json is
-/// taken along. Throws std::runtime_error that names the file, or gnuplot.
+/// One self-contained page of HTML: figures of the runs, drawn by gnuplot, and tables. The same
+/// input gives the same bytes. A replay's own sessions.json is included. Throws std::runtime_error
+/// that names the file, or gnuplot.
 std::string report_page(const ReportInput& input);
 
 }  // namespace fleetloc

@@ -39,12 +39,12 @@ RunData read_run(const std::filesystem::path& folder);
 
 nlohmann::json read_json(const std::filesystem::path& file);
 
-/// A run beside the ground truth. All poses are in the frame of the map.
+/// Poses of a run with the ground truth. All are in the frame of the map.
 struct RunErrors {
   std::vector<PosePair> localized;
   std::vector<PosePair> aligned_once;
-  /// Odometry alone: position and heading put to the truth at its first pose, so that nothing but
-  /// its own drift is seen.
+  /// Odometry alone, aligned in position and heading at its first pose, so that only its drift
+  /// remains.
   std::vector<PosePair> odometry;
 };
 

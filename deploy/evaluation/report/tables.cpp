@@ -21,7 +21,7 @@ std::string cell(const json& value, int digits = 4) {
   return escaped(value.dump());
 }
 
-/// A figure by its path, null if it is not there.
+/// A value by its path, null if it is not there.
 json at(const json& object, const std::string& path) {
   const json::json_pointer pointer(path);
   return object.contains(pointer) ? object.at(pointer) : json();
@@ -90,7 +90,7 @@ std::string pair_name(std::string localizer, const std::string& robot) {
 
 }  // namespace
 
-std::string figures_table(const json& figures) {
+std::string values_table(const json& figures) {
   Cells rows;
   flatten(figures, "", rows);
   return table({"figure", "value"}, rows);
@@ -104,7 +104,7 @@ std::string error_table(const json& evaluation) {
 
 std::string other_evaluation_table(const json& evaluation) {
   const json rest = without_statistics(evaluation);
-  return rest.empty() ? "" : figures_table(rest);
+  return rest.empty() ? "" : values_table(rest);
 }
 
 std::string summary_table(const std::vector<SummaryRow>& runs) {

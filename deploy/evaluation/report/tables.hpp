@@ -9,11 +9,10 @@
 
 namespace fleetloc {
 
-/// Every figure of a JSON object, in the order of its keys; those of inner objects as
-/// `outer.inner`.
-std::string figures_table(const nlohmann::json& figures);
+/// Every value of a JSON object, in the order of its keys; those of inner objects as `outer.inner`.
+std::string values_table(const nlohmann::json& figures);
 
-/// Of evaluation.json: one row for each of the errors it holds, and the other figures.
+/// Of evaluation.json: one row for each of the errors it holds, and the other values.
 std::string error_table(const nlohmann::json& evaluation);
 std::string other_evaluation_table(const nlohmann::json& evaluation);
 

@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// How a robot moves; each throws ConfigError.
+/// Limits and disturbances of the motion; each throws ConfigError.
 MotionMagnitudes read_motion_limits(ConfigReader section);
 VibrationConfig read_vibration_config(ConfigReader section);
 /// Its limits are those of read_motion_limits().

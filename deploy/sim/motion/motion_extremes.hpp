@@ -17,10 +17,10 @@ MotionMagnitudes magnitudes(const MotionState& state);
 /// The greater of both in each.
 MotionMagnitudes greatest(const MotionMagnitudes& a, const MotionMagnitudes& b);
 
-/// The greatest values of the whole motion, looked for four times between two knots.
+/// The greatest values of the whole motion, sampled four times between two knots.
 MotionMagnitudes extremes(const SplineMotion& motion);
 
-/// Path of the body, summed four times between two knots [m].
+/// Path length of the body, sampled likewise [m].
 double length_m(const SplineMotion& motion);
 
 }  // namespace fleetloc

@@ -12,7 +12,7 @@ namespace fleetloc {
 inline constexpr int kQuinticSupport = 6;
 
 /// Uniform B-spline basis of degree five, four times continuously differentiable.
-/// @param u  place within an interval between knots, 0..1
+/// @param u  position within an interval between knots, 0..1
 /// @return   one row per coefficient that acts there; columns: value, first and second derivative
 ///           by u
 Eigen::Matrix<double, kQuinticSupport, 3> quintic_basis(double u);
@@ -24,8 +24,8 @@ struct SplineGrid {
 
   [[nodiscard]] int coefficients() const { return intervals + kQuinticSupport - 1; }
   [[nodiscard]] double duration_s() const { return interval_s * intervals; }
-  /// The interval that holds `time_s`, and the place in it in units of the interval. Times outside
-  /// of the grid are moved to its ends.
+  /// The interval that holds `time_s`, and the position in it in units of the interval. Times
+  /// outside of the grid are moved to its ends.
   struct Place {
     int interval = 0;
     double u = 0.0;
@@ -36,8 +36,8 @@ struct SplineGrid {
 /// The smallest grid of that interval that reaches `duration_s`.
 SplineGrid grid_over(double duration_s, double interval_s);
 
-/// What a spline shall pass by: one row of `values` and one weight per time. Times in any order,
-/// also equal ones.
+/// Data that a spline is fitted to: one row of `values` and one weight per time. Times in any
+/// order, also equal ones.
 struct SplineSamples {
   std::vector<double> times_s;
   std::vector<double> weights;

@@ -13,8 +13,8 @@ namespace fleetloc {
 /// How recorded poses become a motion.
 struct RecordFitConfig {
   double knot_interval_s = 0.1;
-  /// The record is taken at its word below these frequencies, which half of the amplitude passes;
-  /// where a limit is exceeded, they are lowered locally until it holds.
+  /// Cutoff frequencies of the smoothing (half of the amplitude passes); where a limit is exceeded,
+  /// they are lowered locally until it holds.
   double position_cutoff_hz = 1.0;
   double rotation_cutoff_hz = 1.0;
   MotionMagnitudes limits;
@@ -30,7 +30,7 @@ struct FitResidual {
 };
 
 struct RecordFit {
-  SplineMotion motion;  ///< the truth from now on; its time zero is `start`
+  SplineMotion motion;  ///< the ground truth of the simulation; its time zero is `start`
   Timestamp start;      ///< the record's earliest stamp
   FitResidual position_m;
   FitResidual rotation_deg;

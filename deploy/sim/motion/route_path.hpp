@@ -7,14 +7,14 @@
 
 namespace fleetloc {
 
-/// A way over the ground at equal steps, seen from above and in height.
+/// A path over the ground, sampled at equal horizontal steps.
 struct RoutePath {
   double step_m = 0.0;                    ///< between points, up to rounding
   std::vector<Eigen::Vector3d> points_m;  ///< at least two
   std::vector<double> curvature_per_m;    ///< of each point, seen from above, not negative
 
   [[nodiscard]] double length_m() const;
-  /// Between two points linearly. Before the start and after the end: the ends.
+  /// Linear interpolation at a horizontal distance from the start; beyond the ends: the ends.
   [[nodiscard]] Eigen::Vector3d at(double distance_m) const;
   [[nodiscard]] double curvature_at(double distance_m) const;
 };

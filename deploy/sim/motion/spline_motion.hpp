@@ -18,8 +18,8 @@ struct MotionState {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  ///< in body [rad/s^2]
 };
 
-/// A motion that is known everywhere with its derivatives: quintic B-splines of the position and of
-/// a quaternion that is normalized afterwards. With q not of unit length and a = q^-1 q',
+/// A motion with analytic derivatives: quintic B-splines of the position and of a quaternion that
+/// is normalized afterwards. With q not of unit length and a = q^-1 q',
 ///   angular velocity = 2 vec(a),  angular acceleration = 2 vec(q^-1 q'' - a a),
 /// without the singularities of angles. Four times continuously differentiable.
 class SplineMotion {
@@ -27,7 +27,8 @@ class SplineMotion {
   /// Position x y z [m] and quaternion x y z w, one row per coefficient.
   using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 7>;
 
-  /// Neighbouring quaternions must be of the same sign, so that their blend is never near zero.
+  /// Neighbouring quaternions must be of the same sign, so that their interpolation is never near
+  /// zero.
   SplineMotion(const SplineGrid& grid, Coefficients coefficients);
 
   /// @param time_s  from the start; times outside of 0..duration() are moved to its ends
@@ -40,8 +41,8 @@ class SplineMotion {
   Coefficients coefficients_;
 };
 
-/// The spline through T_map_body(t), sampled twice per interval of the grid: true to it up to about
-/// a fifth of the knots' frequency.
+/// The spline through T_map_body(t), sampled twice per interval of the grid: accurate up to about a
+/// fifth of the knots' frequency.
 SplineMotion spline_through(const SplineGrid& grid,
                             const std::function<Pose(double time_s)>& T_map_body);
 
@@ -49,7 +50,8 @@ SplineMotion spline_through(const SplineGrid& grid,
 Eigen::Vector4d continued_quaternion(const Eigen::Quaterniond& R, const Eigen::Vector4d& last);
 
 /// The same motion after `rest_s` of standstill at its first pose. It then gains speed smoothly
-/// (acceleration continuous) within `speed_up_s`, during which the way of half that time is made.
+/// (acceleration continuous) within `speed_up_s`, and travels as far meanwhile as in half that
+/// time.
 SplineMotion with_rest(const SplineMotion& motion, double rest_s, double speed_up_s);
 
 }  // namespace fleetloc

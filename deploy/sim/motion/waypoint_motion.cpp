@@ -85,7 +85,7 @@ double interpolated(const std::vector<double>& values, double place) {
   return values[index] + share * (values[index + 1] - values[index]);
 }
 
-/// The body on the path, looking along it.
+/// The body on the path, facing along it.
 Pose pose_on(const RoutePath& path, double distance_m) {
   constexpr double kAhead = 0.25;  // [m]
   const double begin = std::clamp(distance_m - kAhead, 0.0, path.length_m() - 2.0 * kAhead);
@@ -99,18 +99,18 @@ Pose pose_on(const RoutePath& path, double distance_m) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> way_of(const WaypointRoute& route) {
-  std::vector<Eigen::Vector3d> way;
+std::vector<Eigen::Vector3d> driven_waypoints(const WaypointRoute& route) {
+  std::vector<Eigen::Vector3d> waypoints;
   for (int lap = 0; lap < (route.loop ? route.laps : 1); ++lap) {
-    way.insert(way.end(), route.waypoints_m.begin(), route.waypoints_m.end());
+    waypoints.insert(waypoints.end(), route.waypoints_m.begin(), route.waypoints_m.end());
   }
-  if (route.loop && !way.empty()) way.emplace_back(way.front());
-  if (route.reverse) std::ranges::reverse(way);
-  return way;
+  if (route.loop && !waypoints.empty()) waypoints.emplace_back(waypoints.front());
+  if (route.reverse) std::ranges::reverse(waypoints);
+  return waypoints;
 }
 
 SplineMotion drive(const WaypointRoute& route, const MotionMagnitudes& limits) {
-  const RoutePath path = rounded_path(way_of(route), route.corner_radius_m);
+  const RoutePath path = rounded_path(driven_waypoints(route), route.corner_radius_m);
   const auto distances =
       jerk_limited(distances_over_time(path, speeds_along(path, route.speed, limits)));
   const double moving_s = kTimeStep * static_cast<double>(distances.size() - 1);

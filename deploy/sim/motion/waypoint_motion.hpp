@@ -9,19 +9,19 @@
 
 namespace fleetloc {
 
-/// A route over the ground. The body's axes are x forward along the way, y left, z up.
+/// A route over the ground. The body's axes are x forward along the route, y left, z up.
 struct WaypointRoute {
   std::vector<Eigen::Vector3d> waypoints_m;  ///< of the body, in map
-  double speed = 1.2;                        ///< where nothing hinders [m/s]
-  double rest_s = 2.0;  ///< standing still at the start, for an odometry to start
+  double speed = 1.2;                        ///< where no limit is lower [m/s]
+  double rest_s = 2.0;  ///< standing still at the start, to initialize the odometry
   double corner_radius_m = 3.0;
   bool loop = false;     ///< back to the first waypoint
   int laps = 1;          ///< of a loop
-  bool reverse = false;  ///< the same way from its end to its beginning
+  bool reverse = false;  ///< from its end to its beginning
 };
 
 /// All waypoints in the order of the drive, laps included.
-std::vector<Eigen::Vector3d> way_of(const WaypointRoute& route);
+std::vector<Eigen::Vector3d> driven_waypoints(const WaypointRoute& route);
 
 /// Drives along the route as fast as speed and limits permit, from rest to rest. Pitch follows the
 /// slope. Sideways and lengthwise acceleration each get six tenths of the limit, so that both and

@@ -20,7 +20,7 @@ struct MergedCloudConfig {
   double max_range_m = 0.0;
 };
 
-/// Squares in place of points.
+/// Surfels: squares in place of map points.
 struct SurfelConfig {
   double size_spacings = 0.0;  ///< half of the edge, in distances to the fourth neighbour
   double max_size_m = 0.0;     ///< of half of the edge

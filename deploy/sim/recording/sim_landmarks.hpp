@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// How much of what the left camera would see along the way is not in a map made in `survey`: the
-/// share of the corners of a few rendered images without a surface of it within 0.3 m, 0..1.
+/// Share of the corners in a few rendered images of the left camera that have no surface of a map
+/// made in `survey` within 0.3 m, 0..1.
 double unmapped_share(const SimMotion& motion,
                       const SeasonScene& season,
                       const SeasonScene& survey,

@@ -31,19 +31,19 @@ RecordFit fitted(const std::filesystem::path& file, const RecordFitConfig& confi
 std::vector<Eigen::Vector3d> points_along(const SplineMotion& motion) {
   constexpr double kStep = 0.25;  // [m]
   constexpr double kTimeStep = 0.05;
-  std::vector<Eigen::Vector3d> way{motion.at(0.0).T_map_body.p};
+  std::vector<Eigen::Vector3d> path{motion.at(0.0).T_map_body.p};
   const int count = static_cast<int>(motion.duration() / kTimeStep);
   for (int i = 1; i <= count; ++i) {
     const Eigen::Vector3d p = motion.at(kTimeStep * i).T_map_body.p;
-    if ((p - way.back()).norm() >= kStep) way.push_back(p);
+    if ((p - path.back()).norm() >= kStep) path.push_back(p);
   }
-  return way;
+  return path;
 }
 
-/// A motion, and the way that a world is built around: that of the drive forwards.
+/// A motion, and the path along which a world is built: that of the drive forwards.
 struct DrivenRoute {
   SplineMotion motion;
-  std::vector<Eigen::Vector3d> way_m;
+  std::vector<Eigen::Vector3d> path_map;
 };
 
 DrivenRoute driven_route(const std::filesystem::path& file, const SimConfig& config) {
@@ -53,7 +53,7 @@ DrivenRoute driven_route(const std::filesystem::path& file, const SimConfig& con
   try {
     const SplineMotion motion = drive(forwards, config.limits);
     return {.motion = route.reverse ? drive(route, config.limits) : motion,
-            .way_m = points_along(motion)};
+            .path_map = points_along(motion)};
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(file.string() + ": " + error.what());
   }
@@ -68,7 +68,7 @@ SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config
     const DrivenRoute route = driven_route(options.file, config);
     return {.motion = with_vibration(route.motion, config.vibration, forward, options.seed),
             .start = Timestamp(from_seconds(config.start_s)),
-            .way_m = route.way_m};
+            .path_map = route.path_map};
   }
   RecordFit fit = fitted(options.file, config.record);
   const SplineMotion smooth =
@@ -76,22 +76,23 @@ SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config
   const Timestamp start = fit.start;
   return {.motion = with_vibration(smooth, config.vibration, forward, options.seed),
           .start = start,
-          .way_m = points_along(fit.motion),
+          .path_map = points_along(fit.motion),
           .fit = fit};
 }
 
-std::vector<Eigen::Vector3d> way_along(const std::filesystem::path& file, const SimConfig& config) {
-  return driven_motion({.file = file}, config).way_m;
+std::vector<Eigen::Vector3d> path_along(const std::filesystem::path& file,
+                                        const SimConfig& config) {
+  return driven_motion({.file = file}, config).path_map;
 }
 
-void expect_within(std::span<const Eigen::Vector3d> way_m,
+void expect_within(std::span<const Eigen::Vector3d> path_map,
                    std::span<const Eigen::Vector3d> streets_m,
                    double clearance_m) {
   constexpr double kBesideRobot = 0.5;  // [m]
   constexpr double kOffGround = 0.5;    // a street's height is that of its nearest point [m]
   const double reach_m = std::max(0.0, clearance_m - kBesideRobot);
   const RouteField streets(streets_m);
-  for (const Eigen::Vector3d& p : way_m) {
+  for (const Eigen::Vector3d& p : path_map) {
     const auto around = streets.near(p.head<2>().cast<float>(), static_cast<float>(reach_m));
     const bool within = std::ranges::any_of(around, [&p](const Eigen::Vector3f& street) {
       return std::abs(static_cast<double>(street.z()) - p.z()) <= kOffGround;

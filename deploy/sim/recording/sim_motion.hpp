@@ -11,12 +11,12 @@
 
 namespace fleetloc {
 
-/// The truth of a simulation.
+/// The ground truth of a simulation.
 struct SimMotion {
   SplineMotion motion;
   Timestamp start;  ///< stamp of its time zero
-  /// Where the body goes, for a world to be built around it: the same for any seed and rest.
-  std::vector<Eigen::Vector3d> way_m = {};
+  /// Positions of the body along which a world is built [m]; the same for any seed and rest.
+  std::vector<Eigen::Vector3d> path_map = {};
   std::optional<RecordFit> fit = {};  ///< of recorded poses
 };
 
@@ -30,22 +30,22 @@ struct SimMotionOptions {
 /// with the file, and std::invalid_argument where limits cannot be kept.
 SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config);
 
-/// The way of the body along a file as of SimMotionOptions, for a world to be built around it.
-std::vector<Eigen::Vector3d> way_along(const std::filesystem::path& file, const SimConfig& config);
+/// SimMotion::path_map for a file as in SimMotionOptions.
+std::vector<Eigen::Vector3d> path_along(const std::filesystem::path& file, const SimConfig& config);
 
-/// Throws std::invalid_argument where `way_m` comes nearer than half a metre to what stands beside
-/// the streets, or off their ground.
+/// Throws std::invalid_argument where `path_map` comes within half a metre of objects beside the
+/// streets, or leaves their ground.
 ///
-/// @param streets_m    ways that the world was built around
-/// @param clearance_m  about the streets, in which nothing stands
-void expect_within(std::span<const Eigen::Vector3d> way_m,
+/// @param streets_m    path that the world was built along
+/// @param clearance_m  around the streets, in which nothing stands
+void expect_within(std::span<const Eigen::Vector3d> path_map,
                    std::span<const Eigen::Vector3d> streets_m,
                    double clearance_m);
 
-/// Recorded poses as they are.
+/// Motion along recorded poses, nearly unsmoothed (`replayed_record`).
 SimMotion replayed_motion(const std::filesystem::path& file, const SimConfig& config);
 
-/// Lines for the user: length, duration, greatest values, residual to the record.
+/// Text for the user, several lines: length, duration, greatest values, residual to the record.
 std::string description(const SimMotion& motion);
 
 }  // namespace fleetloc

@@ -50,7 +50,7 @@ Ticks ticks(double rate_hz, const SimOptions& options) {
   return {.first = static_cast<std::uint64_t>(first), .end = static_cast<std::uint64_t>(last) + 1};
 }
 
-/// The IMU from a second before the first image on, for an odometry to start with.
+/// The IMU from a second before the first image on, to initialize the odometry.
 void write_imu(const ImuRecord& record,
                const SimMotion& motion,
                const SimOptions& options,

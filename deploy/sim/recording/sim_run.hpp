@@ -40,7 +40,7 @@ SimCounts simulate(const SimMotion& motion,
                    const SimOptions& options,
                    const std::stop_token& stop);
 
-/// Throws DatasetError if there is a dataset already.
+/// Throws DatasetError if the folder holds a dataset already.
 void expect_no_dataset(const std::filesystem::path& out);
 
 }  // namespace fleetloc

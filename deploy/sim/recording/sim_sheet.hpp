@@ -11,8 +11,8 @@
 
 namespace fleetloc {
 
-/// Pictures of a world to look at, a row for each season: what the left camera sees at four places
-/// of the way, and a lidar scan at the first of them from above (60 m across; what is higher above
+/// Contact sheet of a world, a row for each season: the image of the left camera at four places of
+/// the path, and a lidar scan at the first of them from above (60 m across; what is higher above
 /// the lidar is darker).
 cv::Mat contact_sheet(const SimMotion& motion,
                       std::span<const SeasonScene> seasons,

@@ -13,7 +13,7 @@
 
 namespace fleetloc {
 
-/// What the cameras of a simulation look at, frame by frame.
+/// The frames of a simulation.
 struct SimFrames {
   const SimMotion* motion;
   const SeasonScene* scene;
@@ -21,15 +21,15 @@ struct SimFrames {
   std::uint64_t end = 0;
 };
 
-/// Writes feature tracks into `folder`, see TrackFiles. Returns how many frames; fewer than asked
-/// for if a stop is requested.
+/// Writes feature tracks into `folder`, see TrackFiles.
+/// @return number of frames; fewer than asked for if a stop is requested
 std::size_t write_tracks(const SimFrames& frames,
                          const SimConfig& config,
                          std::uint64_t seed,
                          const std::filesystem::path& folder,
                          const std::stop_token& stop);
 
-/// Simulated tracks, and those that a robot's front end makes of rendered images.
+/// Statistics of simulated tracks, and of those of a robot's front end on rendered images.
 struct TrackComparison {
   TrackStatistics simulated;
   TrackStatistics tracked;

@@ -6,9 +6,9 @@
 
 namespace fleetloc {
 
-/// A world made of squares, one at each point of the map that has a normal, across it, as large as
-/// the distance to its neighbours asks for. Solid textures, different on level and on upright
-/// surfaces and from room corner to room corner; light from everywhere, no sun.
+/// A world of surfels: a square at each point of the map that has a normal, with a size by the
+/// distance to its neighbours. Solid textures, different on level and on upright surfaces and from
+/// tile to tile; ambient light, no sun.
 SeasonScene surfel_scene(const LaserMap& map, const SurfelConfig& config);
 
 }  // namespace fleetloc

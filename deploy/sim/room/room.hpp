@@ -11,12 +11,12 @@
 namespace fleetloc {
 
 /// A furnished room of 10 x 8 x 4 m: origin in the middle of the floor, z up. Furniture are boxes,
-/// some of them turned or tilted; the way of RoomTrajectory stays clear of them.
+/// some of them turned or tilted; the path of RoomTrajectory stays clear of them.
 class Room {
  public:
   Room();
 
-  /// Nothing stands between two points; the surfaces that they lie on do not count.
+  /// Whether nothing lies between two points; the surfaces that they lie on do not count.
   [[nodiscard]] bool is_in_sight(const Eigen::Vector3d& from_room,
                                  const Eigen::Vector3d& to_room) const;
 

@@ -16,7 +16,7 @@ struct Sine {
   double phase;      // [rad]
 };
 
-// Slow terms are the way, fast ones shake like a flying robot.
+// Slow terms are the path, fast ones the shaking of a flying robot.
 constexpr double kQuarter = 0.5 * std::numbers::pi;
 constexpr std::array kX{
     Sine{3.0, 1, kQuarter}, Sine{0.30, 3, 0.4}, Sine{0.020, 11, 1.0}, Sine{0.006, 23, 0.2}};
@@ -28,7 +28,7 @@ constexpr double kHeight = 1.7;  // [m]
 constexpr std::array kYaw{Sine{0.25, 2, 0.9}, Sine{0.05, 7, 2.5}, Sine{0.004, 19, 0.1}};
 constexpr std::array kPitch{Sine{0.10, 3, 1.7}, Sine{0.04, 8, 0.6}, Sine{0.004, 17, 2.1}};
 constexpr std::array kRoll{Sine{0.12, 2, 2.6}, Sine{0.04, 9, 1.3}, Sine{0.004, 22, 0.8}};
-constexpr double kYawInwards = 0.3;  // from the way's direction to the middle of the room [rad]
+constexpr double kYawInwards = 0.3;  // from the direction of travel to the middle of the room [rad]
 
 // A function of the curve's parameter or of time, with two derivatives.
 struct Jet {

@@ -14,11 +14,12 @@ struct Motion {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< in body [rad/s]
 };
 
-/// A closed curve through the room, a sum of sines in position and in yaw, pitch and roll, with
-/// all derivatives in closed form. The camera (the body's z axis) looks about along the way.
+/// A closed curve through the room, a sum of sines in position and in yaw, pitch and roll, with all
+/// derivatives in closed form. The camera (the body's z axis) pans along the path.
 class RoomTrajectory {
  public:
-  /// @param rest_s  stands still that long, then speeds up within two seconds; zero: moves at once
+  /// @param rest_s  stands still that long, then speeds up within two seconds; zero: at full speed
+  ///                from the start
   /// @param speed   root mean square over one round [m/s]
   RoomTrajectory(double rest_s, double speed);
 

@@ -27,7 +27,7 @@ constexpr double kHalfWidth = 376.0;      // of the image about its center [px]
 constexpr double kHalfHeight = 240.0;     // [px]
 constexpr double kNearest = 0.5;          // [m]
 constexpr double kFarthest = 15.0;        // [m]
-constexpr double kFewestDisparity = 0.1;  // what is less, the right camera did not see [px]
+constexpr double kFewestDisparity = 0.1;  // with less the right camera has no observation [px]
 constexpr double kOutlierReach = 50.0;    // [px]
 constexpr int kFramesAhead = 20;  // new tracks are preferred that will still be visible then
 
@@ -66,7 +66,7 @@ bool is_in_view(const Eigen::Vector3d& p_cam0, const RectifiedStereo& stereo) {
   return is_in_image(pixel[0], pixel[1], stereo);
 }
 
-// What one camera position sees.
+// Visible landmarks at one pose of the camera.
 class View {
  public:
   View(const Pose& T_room_body, const RectifiedStereo& stereo, const Room& room)

@@ -11,9 +11,9 @@
 
 namespace fleetloc {
 
-/// A point of a surface, which goes where its object goes.
+/// A point fixed to a surface, which moves with the surface's object.
 struct AnchoredPoint {
-  std::uint32_t surface = 0;  ///< counts SceneView::surfaces
+  std::uint32_t surface = 0;  ///< index of SceneView::surfaces
   Eigen::Vector3d p_object = Eigen::Vector3d::Zero();
 };
 
@@ -27,7 +27,7 @@ inline Eigen::Vector3d p_map(const AnchoredPoint& point, const SceneView& world)
   return T_map_object(world.surfaces[point.surface]) * point.p_object;
 }
 
-/// What a ray from `from_map` meets first within `max_m`.
+/// First hit of a ray from `from_map` within `max_m`; nothing if there is none.
 inline std::optional<AnchoredPoint> first_point(const Eigen::Vector3d& from_map,
                                                 const Eigen::Vector3d& direction_map,
                                                 double max_m,

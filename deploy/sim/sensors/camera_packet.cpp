@@ -11,16 +11,16 @@ constexpr float kFarthest_m = 1000.0F;
 
 void CameraPacket::set(std::size_t lane,
                        const Eigen::Vector3f& direction_cam,
-                       std::uint8_t its_sun_part) {
+                       std::uint8_t its_sun_sample) {
   direction_x[lane] = direction_cam.x();
   direction_y[lane] = direction_cam.y();
   direction_z[lane] = direction_cam.z();
-  sun_part[lane] = its_sun_part;
+  sun_sample[lane] = its_sun_sample;
 }
 
 ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pixel_rad) {
   ViewPacket view{};
-  view.sun_part = packet.sun_part;
+  view.sun_sample = packet.sun_sample;
   view.pixel_rad = pixel_rad;
   view.rays.origin_x.fill(frame.p_map.x());
   view.rays.origin_y.fill(frame.p_map.y());

@@ -10,17 +10,17 @@
 
 namespace fleetloc {
 
-/// Where pixels look, in the camera's frame.
+/// Viewing rays of pixels, in the camera's frame.
 struct CameraPacket {
   RayPacket::Lanes<float> direction_x, direction_y, direction_z;  ///< zero in unused lanes
-  RayPacket::Lanes<std::uint8_t> sun_part;
+  RayPacket::Lanes<std::uint8_t> sun_sample;
 
-  void set(std::size_t lane, const Eigen::Vector3f& direction_cam, std::uint8_t its_sun_part);
+  void set(std::size_t lane, const Eigen::Vector3f& direction_cam, std::uint8_t its_sun_sample);
 };
 
-/// What a pixel's ray sees of the sun.
-inline std::uint8_t sun_part(int u, int v) {
-  return static_cast<std::uint8_t>((u + v) % kSunParts);
+/// The sample of the sun that a pixel's shadow ray is cast to.
+inline std::uint8_t sun_sample(int u, int v) {
+  return static_cast<std::uint8_t>((u + v) % kSunSamples);
 }
 
 struct CameraView {

@@ -60,7 +60,7 @@ class Triad {
   Eigen::Matrix3d gain_;
 };
 
-/// What a perfect unit reports.
+/// Output of an ideal unit.
 struct Truth {
   Eigen::Vector3d angular_velocity;
   Eigen::Vector3d specific_force;

@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// What is wrong with an IMU. Of the constants only the spread is given: the seed draws them.
+/// Error model of an IMU. Constant errors are drawn by the seed, with the sigmas given.
 struct ImuModelConfig {
   double rate_hz = 200.0;
   ImuNoise noise;
@@ -34,13 +34,13 @@ struct ImuRecord {
 /// sensor and body) beside it; white noise has density * sqrt(rate), and the bias makes a step of
 /// walk / sqrt(rate) before each sample but the first (ImuNoise's units).
 ///
-/// x belongs to its stamp, but as a unit reports that integrates inside: the mean of two successive
-/// values is the mean rate between them (to fourth order of the interval, the turning of the axes
-/// included), so that whoever integrates by the midpoint rule, as robot/inertial does, gets the
-/// motion back. The value at the instant itself would differ by less than 1e-5 of the rates of a
-/// ground robot, yet tilt the midpoint rule by as much as moves it by 4 mm in 10 s of vibration;
-/// the mean over the last interval would be late by half of it. Deterministic by the seed; each
-/// source of error has random numbers of its own.
+/// x is that of a unit that integrates internally: the mean of two successive values is the mean
+/// rate between them (to fourth order of the interval, the turning of the axes included), so that
+/// whoever integrates by the midpoint rule, as robot/inertial does, gets the motion back. The value
+/// at the instant itself would differ by less than 1e-5 of the rates of a ground robot, yet the
+/// attitude error of the midpoint rule would amount to 4 mm after 10 s of vibration; the mean over
+/// the last interval would be late by half of it. Deterministic by the seed; each source of error
+/// has random numbers of its own.
 /// @param start  stamp of the motion's time zero
 ImuRecord measured_imu(const SplineMotion& motion,
                        const ImuModelConfig& config,

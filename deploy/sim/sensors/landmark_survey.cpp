@@ -14,10 +14,10 @@ constexpr double kApart_px = 8.0;
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> seen_point(const RayCaster& world,
-                                          const Camera& camera,
-                                          const Pose& T_map_cam,
-                                          const Eigen::Vector2d& pixel) {
+std::optional<Eigen::Vector3d> visible_point(const RayCaster& world,
+                                             const Camera& camera,
+                                             const Pose& T_map_cam,
+                                             const Eigen::Vector2d& pixel) {
   const auto direction = unproject(camera, pixel);
   if (!direction) return std::nullopt;
   const Eigen::Vector3d direction_map = (T_map_cam.R * *direction).normalized();
@@ -27,25 +27,25 @@ std::optional<Eigen::Vector3d> seen_point(const RayCaster& world,
   return T_map_cam.p + static_cast<double>(hit->distance_m) * direction_map;
 }
 
-std::vector<SeenLandmark> seen_landmarks(const cv::Mat& gray,
-                                         const RayCaster& world,
-                                         const Camera& camera,
-                                         const Pose& T_map_cam,
-                                         int most) {
+std::vector<VisibleLandmark> visible_landmarks(const cv::Mat& gray,
+                                               const RayCaster& world,
+                                               const Camera& camera,
+                                               const Pose& T_map_cam,
+                                               int max_count) {
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(gray, corners, most, kMinQuality, kApart_px);
-  std::vector<SeenLandmark> landmarks;
+  cv::goodFeaturesToTrack(gray, corners, max_count, kMinQuality, kApart_px);
+  std::vector<VisibleLandmark> landmarks;
   for (const cv::Point2f& corner : corners) {
-    const auto point = seen_point(world, camera, T_map_cam, {corner.x, corner.y});
+    const auto point = visible_point(world, camera, T_map_cam, {corner.x, corner.y});
     if (point) landmarks.push_back({.pixel = corner, .p_map = *point});
   }
   return landmarks;
 }
 
-double unmapped_share(const std::vector<SeenLandmark>& landmarks, const RayCaster& map) {
+double unmapped_share(const std::vector<VisibleLandmark>& landmarks, const RayCaster& map) {
   if (landmarks.empty()) return 0.0;
   const auto unmapped =
-      std::count_if(landmarks.begin(), landmarks.end(), [&](const SeenLandmark& landmark) {
+      std::count_if(landmarks.begin(), landmarks.end(), [&](const VisibleLandmark& landmark) {
         return !map.has_surface_within(landmark.p_map.cast<float>(), kMapped_m);
       });
   return static_cast<double>(unmapped) / static_cast<double>(landmarks.size());

@@ -23,7 +23,7 @@ double share_of_one(ConfigReader& reader, const std::string& key) {
   return value;
 }
 
-/// Where ring and column look, in the lidar's frame.
+/// Direction of a ring and column, in the lidar's frame.
 Eigen::Vector3d direction(const LidarConfig& config, int column, int ring) {
   const LidarCalibration& lidar = config.calibration;
   const double azimuth = 2.0 * std::numbers::pi * column / lidar.columns;

@@ -26,7 +26,7 @@ struct LidarConfig {
 /// Throws ConfigError.
 LidarConfig read_lidar_config(ConfigReader section);
 
-/// A simulated lidar: the z axis is that of rotation, column 0 looks along x, counter-clockwise.
+/// A simulated lidar: the z axis is that of rotation, column 0 points along x, counter-clockwise.
 /// Every ray is cast from the pose of its own time. Deterministic by the seed, whatever the order
 /// of scans and the number of threads that call it.
 class Lidar {
@@ -36,7 +36,7 @@ class Lidar {
   [[nodiscard]] const LidarConfig& config() const { return config_; }
 
   /// The revolution that begins at `time_s` of the motion.
-  /// @param index  of the scan: what its noise is drawn by
+  /// @param index  of the scan, which selects its noise
   /// @return       a scan with the stamp `start` + time_s
   [[nodiscard]] LidarScan scan(const RayCaster& world,
                                const SplineMotion& motion,

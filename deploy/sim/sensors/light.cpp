@@ -14,7 +14,7 @@ constexpr float kFarthest_m = 400.0F;
 constexpr float kSunRadius_rad = 0.008F;  // a little larger than it is: softer
 constexpr float kShadowSkin_m = 0.01F;
 constexpr float kSnowAlbedo = 0.78F;
-constexpr float kThrough = 0.45F;  // share of the sun that shines through a leaf
+constexpr float kThrough = 0.45F;  // share of sunlight that a leaf transmits
 constexpr std::uint32_t kSkyKey = 0xffffffffU;
 constexpr std::uint32_t kLeafKey = 0xfffffffeU;  // edges between leaves are not worth the time
 
@@ -26,9 +26,9 @@ Uint4 facing(const std::array<Float4, 3>& direction) {
   return (step(direction[0]) * 31U + step(direction[1])) * 31U + step(direction[2]);
 }
 
-/// A point of the sun's disc.
+/// Direction of a sample of the sun's disc.
 Eigen::Vector3f towards_sun(const Light& light, std::uint8_t part) {
-  constexpr std::array<std::array<float, 2>, kSunParts> kParts = {
+  constexpr std::array<std::array<float, 2>, kSunSamples> kParts = {
       {{0.0F, 0.66F}, {0.57F, -0.33F}, {-0.57F, -0.33F}}};
   const auto& xy = kParts.at(std::size_t{part} % kParts.size());
   return light.to_sun_map +
@@ -57,12 +57,12 @@ void set_lane(RayPacket& rays,
   rays.max_m[i] = kFarthest_m;
 }
 
-/// What of the sun's light a surface takes, by the cosine of the sun's angle to its normal.
+/// Irradiance by the sun, by the cosine of its angle to the normal.
 float taken(const Surface& surface, float along) {
   return std::max(along, surface.is_thin ? -kThrough * along : 0.0F);
 }
 
-Float4 snowy_albedo(const Surface& surface, const SeenPoints& seen, const Light& light) {
+Float4 snowy_albedo(const Surface& surface, const ShadingPoints& seen, const Light& light) {
   static const Surface snow = make_surface(Pattern::kSnow, kSnowAlbedo, 1U, {});
   const Float4 share = surface.takes_snow ? snow_share(seen, light.snow) : all4(0.0F);
   const Float4 bare = any(share < 1.0F) ? albedo(surface, seen) : all4(0.0F);
@@ -70,7 +70,7 @@ Float4 snowy_albedo(const Surface& surface, const SeenPoints& seen, const Light&
   return (1.0F - share) * bare + share * albedo(snow, seen);
 }
 
-/// What surfaces do with light.
+/// Reflection of the surfaces.
 struct Shading {
   Float4 albedo;
   Float4 taken;  ///< of the sun
@@ -80,7 +80,7 @@ struct Shading {
 /// Four hits; lanes without are undefined.
 Shading shaded(const SceneView& view,
                const Light& light,
-               const SeenPoints& seen,
+               const ShadingPoints& seen,
                const HitPacket& hits,
                std::size_t first) {
   const Uint4 surfaces = load4(&hits.surface[first]);
@@ -130,14 +130,14 @@ Seen4 seen_surfaces(const SceneView& view,
   const auto direction = directions(rays, first);
   const Float4 distance_or_none = load4(&hits.distance_m[first]);
   const Float4 distance_m = distance_or_none < HitPacket::kNone ? distance_or_none : all4(0.0F);
-  const SeenPoints points = {.p_map = {load4(&rays.origin_x[first]) + distance_m * direction[0],
-                                       load4(&rays.origin_y[first]) + distance_m * direction[1],
-                                       load4(&rays.origin_z[first]) + distance_m * direction[2]},
-                             .normal_map = {load4(&hits.normal_x[first]),
-                                            load4(&hits.normal_y[first]),
-                                            load4(&hits.normal_z[first])},
-                             .direction_map = direction,
-                             .pixel_m = distance_m * packet.pixel_rad};
+  const ShadingPoints points = {.p_map = {load4(&rays.origin_x[first]) + distance_m * direction[0],
+                                          load4(&rays.origin_y[first]) + distance_m * direction[1],
+                                          load4(&rays.origin_z[first]) + distance_m * direction[2]},
+                                .normal_map = {load4(&hits.normal_x[first]),
+                                               load4(&hits.normal_y[first]),
+                                               load4(&hits.normal_z[first])},
+                                .direction_map = direction,
+                                .pixel_m = distance_m * packet.pixel_rad};
   const Shading shading = shaded(view, light, points, hits, first);
   const float air = 1.2F * light.ambient + 0.15F * light.sun;
   const Float4 from_sky = light.ambient * (0.7F + 0.3F * points.normal_map[2]);
@@ -202,7 +202,7 @@ std::uint32_t sunlit(const SceneView& view,
     set_lane(sun_rays,
              i,
              origin + hits.distance_m[i] * direction + side * normal,
-             towards_sun(light, packet.sun_part[i]));
+             towards_sun(light, packet.sun_sample[i]));
     bits |= 1U << i;
   }
   return bits & ~view.caster.occluded(sun_rays);

@@ -9,8 +9,8 @@ namespace fleetloc {
 namespace {
 
 // The lattice has two nodes in each row, the other packets have two rows each. The two upper of
-// them go by the nodes in the upper six rows, the others by those in the lower six: all columns are
-// met.
+// them go by the nodes in the upper six rows, the others by those in the lower six: all columns
+// have a node.
 constexpr std::size_t kNodes = 12;
 constexpr std::array<std::size_t, PixelBlock::kPackets> kFirstNode = {0, 0, 0, 4, 4};
 constexpr std::uint32_t kAllNodes = (1U << kNodes) - 1U;
@@ -24,12 +24,12 @@ class Patch {
     return {triangles_.data(), count_};
   }
 
-  /// Rays that meet the triangle which fewest meet.
+  /// Smallest number of rays on one of the triangles.
   [[nodiscard]] int min_hits() const {
     return count_ == 0 ? 0 : *std::min_element(hits_.begin(), hits_.begin() + count_);
   }
 
-  /// Of one ray more; false if the triangle is one too many.
+  /// Counts one more ray; false if its triangle is one too many.
   bool add(std::uint32_t triangle) {
     const auto known = std::ranges::find(triangles(), triangle) - triangles().begin();
     const auto i = static_cast<std::size_t>(known);
@@ -46,8 +46,8 @@ class Patch {
   std::size_t count_ = 0;
 };
 
-/// What the upper or the lower rows of a block show, if that is simple and each of the nodes there
-/// has a ray: one surface, or parts so large that the lattice cannot miss one between them.
+/// The triangles of the upper or the lower rows of a block, if each node there has a ray and they
+/// are one surface, or so large that the lattice cannot miss one between them.
 std::optional<Patch> patch_of(const RayPacket& rays, const HitPacket& hits, std::size_t first) {
   Patch patch;
   bool is_one_object = true;
@@ -74,10 +74,10 @@ HitPacket hits_on(const RayCaster& caster, const Patch& patch, const RayPacket& 
 
 }  // namespace
 
-PixelBlock::Seen shade_block(const SceneView& view,
-                             const Light& light,
-                             const PixelBlock::Packets& packets) {
-  PixelBlock::Seen seen{};
+PixelBlock::Shaded shade_block(const SceneView& view,
+                               const Light& light,
+                               const PixelBlock::Packets& packets) {
+  PixelBlock::Shaded seen{};
   const HitPacket first = view.caster.first_hits(packets[0].rays);
   const std::uint32_t first_sunlit = sunlit(view, light, packets[0], first);
   seen.packets[0] = shade(view, light, packets[0], first);

@@ -9,8 +9,8 @@
 
 namespace fleetloc {
 
-/// Pixels that are seen together. The first packet is a lattice over the block that meets every
-/// row, column and diagonal of five pixels; the others are what it leaves out, by rows.
+/// Pixels that are traced together. The first packet is a lattice over the block with a node in
+/// every row, column and diagonal of five pixels; the others are the remaining pixels, by rows.
 struct PixelBlock {
   static constexpr int kWidth = 10;
   static constexpr int kHeight = 8;
@@ -22,13 +22,13 @@ struct PixelBlock {
     int v;
   };
   using Packets = std::array<ViewPacket, kPackets>;
-  struct Seen {
+  struct Shaded {
     std::array<ShadedPacket, kPackets> packets;
     std::array<std::uint32_t, kPackets> sunlit;                       ///< bits of their lanes
     std::array<RayPacket::Lanes<std::uint32_t>, kPackets> triangles;  ///< see HitPacket
   };
 
-  /// Of the rays in the packets, lane by lane.
+  /// Offsets of the pixels in the packets, lane by lane.
   static constexpr std::array<Offset, kPixels> lattice_first() {
     constexpr int kPerNode = 5;
     static_assert(kWidth % kPerNode == 0 && kPixels == kPerNode * RayPacket::kSize);
@@ -45,10 +45,11 @@ struct PixelBlock {
   }
 };
 
-/// What each ray meets, with less tracing where the block shows a few triangles: there an object is
-/// lost that no ray of the lattice meets, a speck or a line of less than two pixels.
-PixelBlock::Seen shade_block(const SceneView& view,
-                             const Light& light,
-                             const PixelBlock::Packets& packets);
+/// Traces and shades the rays, with fewer intersection tests where the lattice hits a few triangles
+/// only: there an object that no ray of the lattice hits is lost, a speck or a line of less than
+/// two pixels.
+PixelBlock::Shaded shade_block(const SceneView& view,
+                               const Light& light,
+                               const PixelBlock::Packets& packets);
 
 }  // namespace fleetloc

@@ -8,12 +8,12 @@
 
 namespace fleetloc {
 
-/// Automatic exposure: the gain follows the brightness of the image, but not at once.
+/// Automatic exposure: the gain follows the brightness of the image with a lag.
 class Exposure {
  public:
   struct Config {
     float target_gray;  ///< mean of the image
-    float lag_s;        ///< in which 63 % of a change are made up
+    float lag_s;        ///< time constant: 63 % of a change
     float min_gain;     ///< gray values per unit of radiance
     float max_gain;
   };
@@ -43,7 +43,7 @@ class PixelResponse {
   };
   PixelResponse(const Noise& noise, const CounterRandom& random) : noise_(noise), random_(random) {}
 
-  /// The noise depends on the random numbers given, on the frame and the pixel, on nothing else.
+  /// The noise depends on the random numbers given, the frame and the pixel alone.
   void respond(std::span<const float> radiance, const Row& row, std::span<std::uint8_t> gray) const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-/// What the rays of an image see, pixel by pixel, by rows.
+/// Shading of an image, pixel by pixel, row by row.
 struct ShadedImage {
   ShadedImage(int width, int height)
       : width_px(width),
@@ -24,15 +24,15 @@ struct ShadedImage {
 
   int width_px;
   int height_px;
-  std::vector<float> radiance;           ///< until add_sun by the light of the sky alone
+  std::vector<float> radiance;           ///< by ambient light alone until add_sun()
   std::vector<float> sun;                ///< see ShadedPacket
   std::vector<std::uint32_t> keys;       ///< see ShadedPacket
   std::vector<std::uint32_t> triangles;  ///< see HitPacket; kNoTriangle in the sky
-  std::vector<std::uint8_t> sunlit;      ///< its own part of the sun is seen from there
+  std::vector<std::uint8_t> sunlit;      ///< its own sample of the sun is visible from there
 };
 
-/// Adds the sun's light to the radiance, with soft shadows: about a pixel, on its surface, three by
-/// three pixels see each part of the sun equally often.
+/// Adds sunlight to the radiance, with soft shadows: the mean over three by three pixels of the
+/// same surface, which have each sample of the sun equally often.
 void add_sun(ShadedImage& image, int threads);
 
 }  // namespace fleetloc

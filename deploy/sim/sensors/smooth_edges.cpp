@@ -14,12 +14,12 @@ namespace {
 constexpr float kMinContrast = 0.04F;  // that an edge must have to be smoothed
 constexpr int kRowsAtOnce = 8;
 
-/// Between two neighbours that see different objects.
+/// An edge between two neighbouring pixels of different objects.
 struct Edge {
   std::size_t pixel;
-  std::size_t next;       // to the right or below
-  std::uint8_t sun_part;  // that the ray halfway between them sees
-  bool is_seen = false;   // by that ray; then:
+  std::size_t next;         // to the right or below
+  std::uint8_t sun_sample;  // of the ray halfway between them
+  bool is_found = false;    // that ray hit the triangle of one of them; then:
   float radiance = 0.0F;
 };
 
@@ -30,7 +30,7 @@ bool differs(const ShadedImage& image, std::size_t pixel, std::size_t next) {
   return contrast >= kMinContrast * (image.radiance[pixel] + image.radiance[next]);
 }
 
-/// In some rows, not seen yet; neighbours come close to each other.
+/// The edges of some rows, not traced yet; neighbours are close to each other in the result.
 std::vector<Edge> edges_in(const ShadedImage& image, int first_row) {
   constexpr int kColumnsAtOnce = 10;
   const int end_row = std::min(first_row + kRowsAtOnce, image.height_px);
@@ -40,12 +40,12 @@ std::vector<Edge> edges_in(const ShadedImage& image, int first_row) {
     for (int v = first_row; v < end_row; ++v) {
       for (int u = first_u; u < end_u; ++u) {
         const std::size_t pixel = image.index(u, v);
-        const auto look = [&](std::size_t next) {
+        const auto compare = [&](std::size_t next) {
           if (!differs(image, pixel, next)) return;
-          edges.push_back({.pixel = pixel, .next = next, .sun_part = sun_part(u, v + 2)});
+          edges.push_back({.pixel = pixel, .next = next, .sun_sample = sun_sample(u, v + 2)});
         };
-        if (u + 1 < image.width_px) look(pixel + 1);
-        if (v + 1 < image.height_px) look(pixel + static_cast<std::size_t>(image.width_px));
+        if (u + 1 < image.width_px) compare(pixel + 1);
+        if (v + 1 < image.height_px) compare(pixel + static_cast<std::size_t>(image.width_px));
       }
     }
   }
@@ -56,30 +56,31 @@ ViewPacket rays_of(std::span<const Edge> edges, const Viewpoint& from) {
   CameraPacket packet{};
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Edge& edge = edges[i];
-    packet.set(i, from.rays.direction_between(edge.pixel, edge.next), edge.sun_part);
+    packet.set(i, from.rays.direction_between(edge.pixel, edge.next), edge.sun_sample);
   }
   return in_map(packet, CameraView(from.T_map_cam), from.rays.pixel_rad());
 }
 
-/// Of at most as many edges as fit a packet: sees those whose ray meets what a pixel of theirs
-/// shows; they are as bright as that pixel.
+/// For at most as many edges as fit a packet: a ray that hits the triangle of one of its pixels
+/// takes over that pixel's radiance.
 void take_from_pixels(std::span<Edge> edges, const ShadedImage& image, const Viewpoint& from) {
   RayCaster::TrianglePairs triangles{};
   for (std::size_t i = 0; i < edges.size(); ++i) {
     triangles[0].at(i) = image.triangles[edges[i].pixel];
     triangles[1].at(i) = image.triangles[edges[i].next];
   }
-  const HitPacket hits = from.scene.caster.hits_on_own(triangles, rays_of(edges, from).rays);
+  const HitPacket hits =
+      from.scene.caster.first_hits_on_pairs(triangles, rays_of(edges, from).rays);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     Edge& edge = edges[i];
-    edge.is_seen = hits.distance_m[i] != HitPacket::kNone;
+    edge.is_found = hits.distance_m[i] != HitPacket::kNone;
     const bool is_next = hits.triangle[i] == triangles[1].at(i);
     edge.radiance = image.radiance[is_next ? edge.next : edge.pixel];
   }
 }
 
 /// Traces the rays of at most as many edges as fit a packet.
-void look_at(std::span<Edge> edges, const Viewpoint& from) {
+void trace_edges(std::span<Edge> edges, const Viewpoint& from) {
   const ViewPacket packet = rays_of(edges, from);
   const HitPacket hits = from.scene.caster.first_hits(packet.rays);
   const ShadedPacket seen = shade(from.scene, from.light, packet, hits);
@@ -107,8 +108,8 @@ void smooth_edges(ShadedImage& image, const Viewpoint& from, int threads) {
     std::vector<Edge>& found = edges[static_cast<std::size_t>(part)];
     found = edges_in(image, part * kRowsAtOnce);
     for_each_packet(found, [&](std::span<Edge> some) { take_from_pixels(some, image, from); });
-    const auto open = std::ranges::stable_partition(found, &Edge::is_seen);
-    for_each_packet(open, [&](std::span<Edge> some) { look_at(some, from); });
+    const auto open = std::ranges::stable_partition(found, &Edge::is_found);
+    for_each_packet(open, [&](std::span<Edge> some) { trace_edges(some, from); });
   });
   // A pixel is the mean over its square, by the trapezoidal rule along both of its axes.
   std::vector<float> smoothed = image.radiance;

@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// What an image was seen by.
+/// What an image was rendered with.
 struct Viewpoint {
   const ViewRays& rays;
   const SceneView& scene;
@@ -16,9 +16,9 @@ struct Viewpoint {
   Pose T_map_cam;
 };
 
-/// One more ray between neighbours that show visibly different objects, for both pixels. After
-/// add_sun. Where that ray meets what one of the two shows, nothing else is looked for; an object
-/// thinner than half a pixel may be lost there.
+/// Antialiasing, after add_sun(): one more ray between neighbouring pixels whose objects and
+/// radiance differ. Where that ray hits the triangle of one of the two, no other is tested; an
+/// object thinner than half a pixel may be lost there.
 void smooth_edges(ShadedImage& image, const Viewpoint& from, int threads);
 
 }  // namespace fleetloc

@@ -21,8 +21,8 @@
 
 namespace fleetloc {
 
-/// Images of a stereo camera in a season of the world, exact in geometry: a pixel shows what its
-/// center's ray, by the camera's own model, meets. The same bytes for one seed, however many
+/// Images of a stereo camera in a season of the world, exact in geometry: one ray through the
+/// center of each pixel, by the camera's own model. The same bytes for one seed, however many
 /// threads work.
 class StereoRenderer {
  public:
@@ -30,10 +30,10 @@ class StereoRenderer {
     int threads;
     Exposure::Config exposure;
     PixelResponse::Noise noise;
-    float corner_loss;      ///< of light, in the corners of the image
+    float corner_loss;      ///< vignetting: loss of light in the corners, 0..1
     float exposure_time_s;  ///< of motion blur
     int motion_samples;     ///< over that time; 1: no motion blur
-    bool smooth_edges;      ///< more rays where a pixel lies on an edge
+    bool smooth_edges;      ///< antialiasing, see smooth_edges()
   };
 
   /// `scene` must live as long.
@@ -44,7 +44,7 @@ class StereoRenderer {
 
   struct Shot {
     Timestamp stamp;
-    double time_s = 0.0;      ///< the same since the start of the season, for whatever moves
+    double time_s = 0.0;      ///< the same since the start of the season, for dynamic objects
     std::uint64_t frame = 0;  ///< its number, for the noise
   };
   using Motion = std::function<Pose(double time_s)>;  ///< T_map_body
@@ -54,25 +54,28 @@ class StereoRenderer {
   StereoFrame render(const Shot& shot, const Motion& T_map_body);
 
  private:
-  struct Eye {
-    Eye(const Camera& camera, Pose T_body_camera, const Config& config, const CounterRandom& noise);
+  struct SingleCamera {
+    SingleCamera(const Camera& camera,
+                 Pose T_body_camera,
+                 const Config& config,
+                 const CounterRandom& noise);
 
     ViewRays rays;
     std::vector<std::array<CameraPacket, PixelBlock::kPackets>> blocks;  // the same, by rows
-    std::vector<float> arriving;  // share of the light, by pixel
+    std::vector<float> vignetting;                                       // vignetting, by pixel
     Pose T_body_cam;
     PixelResponse response;
-    ShadedImage seen;
+    ShadedImage image;
   };
-  void expose(Eye& eye, const Shot& shot, const Motion& T_map_body);
-  void trace(Eye& eye, const SceneView& view, const Pose& T_map_cam);
-  [[nodiscard]] cv::Mat developed(const Eye& eye, std::uint64_t frame, float gain) const;
+  void expose(SingleCamera& camera, const Shot& shot, const Motion& T_map_body);
+  void trace(SingleCamera& camera, const SceneView& view, const Pose& T_map_cam);
+  [[nodiscard]] cv::Mat to_gray(const SingleCamera& camera, std::uint64_t frame, float gain) const;
 
   Config config_;
   const SeasonScene* scene_;
   Light light_;
   Exposure exposure_;
-  std::array<Eye, 2> eyes_;
+  std::array<SingleCamera, 2> cameras_;
 };
 
 /// Strict; throws ConfigError.

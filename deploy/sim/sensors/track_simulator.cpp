@@ -81,7 +81,7 @@ bool TrackSimulator::is_in_image(const Camera& camera,
          pixel->y() <= camera.height_px - 1 - model_.border_px;
 }
 
-/// (u, v, disparity) without noise; nothing where the left camera does not see the point.
+/// (u, v, disparity) without noise; nothing where the point is not visible in the left camera.
 std::optional<Eigen::Vector3d> TrackSimulator::ideal_observation(const Track& track,
                                                                  const Pose& T_map_body,
                                                                  const SceneView& world) const {
@@ -96,9 +96,9 @@ std::optional<Eigen::Vector3d> TrackSimulator::ideal_observation(const Track& tr
   return Eigen::Vector3d(seen.x(), seen.y(), seen.x() - seen.z());
 }
 
-bool TrackSimulator::is_seen_by_right(const Track& track,
-                                      const Pose& T_map_body,
-                                      const SceneView& world) const {
+bool TrackSimulator::is_visible_in_right(const Track& track,
+                                         const Pose& T_map_body,
+                                         const SceneView& world) const {
   const Eigen::Vector3d p_point_map = p_map(track.point, world);
   const Eigen::Vector3d p_body = inverse(T_map_body) * p_point_map;
   const Eigen::Vector3d right_map = T_map_body * calibration_.T_body_cam1.p;
@@ -127,7 +127,7 @@ bool TrackSimulator::outlives_frame(LandmarkId landmark, Track& track) const {
 StereoObservation TrackSimulator::observe(LandmarkId landmark,
                                           const Track& track,
                                           const Eigen::Vector3d& ideal,
-                                          bool is_seen_by_right) const {
+                                          bool is_visible_in_right) const {
   const std::uint64_t id = index_of(landmark);
   const auto normal = [&](Noise kind) { return noise_.normal(id, kNoises * frame_ + kind); };
   StereoObservation observation{.landmark = landmark};
@@ -135,7 +135,7 @@ StereoObservation TrackSimulator::observe(LandmarkId landmark,
                      model_.pixel_sigma * Eigen::Vector2d(normal(kPixelU), normal(kPixelV));
   const double disparity = ideal.z() + model_.disparity_sigma * normal(kDisparity);
   const bool is_matched =
-      is_seen_by_right && stereo_chance_.uniform(id, frame_) < model_.stereo_share;
+      is_visible_in_right && stereo_chance_.uniform(id, frame_) < model_.stereo_share;
   if (is_matched && disparity > 0.0) observation.disparity = disparity;
   return observation;
 }
@@ -150,12 +150,12 @@ void TrackSimulator::follow(const Pose& T_map_body, const SceneView& world) {
       continue;
     }
     seen_.observations.push_back(
-        observe(landmark, track, *ideal, is_seen_by_right(track, T_map_body, world)));
+        observe(landmark, track, *ideal, is_visible_in_right(track, T_map_body, world)));
     ++it;
   }
 }
 
-// As a detector that looks for corners where there is no feature yet.
+// As a corner detector with a mask around the present features.
 void TrackSimulator::begin_tracks(const Pose& T_map_body, const SceneView& world) {
   const Camera& camera = calibration_.cam0;
   const Pose T_map_cam0 = T_map_body * calibration_.T_body_cam0;
@@ -188,7 +188,7 @@ void TrackSimulator::begin_track(const AnchoredPoint& point,
   track.is_fleeting =
       life_.uniform(index_of(landmark), kChances * frame_ + kIsFleeting) < model_.fleeting_share;
   seen_.observations.push_back(
-      observe(landmark, track, *ideal, is_seen_by_right(track, T_map_body, world)));
+      observe(landmark, track, *ideal, is_visible_in_right(track, T_map_body, world)));
   tracks_.emplace(landmark, std::move(track));
 }
 

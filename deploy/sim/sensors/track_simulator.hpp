@@ -13,8 +13,8 @@
 
 namespace fleetloc {
 
-/// What a KLT front end makes of images, without images. Which landmarks are seen and for how long
-/// follows from the world's geometry; the rest is stated here.
+/// Model of the tracks of a KLT front end, without images. Visibility follows from the world's
+/// geometry; the rest is stated here.
 struct TrackModel {
   int features = 150;              ///< wanted in each frame
   double min_distance_px = 15;     ///< between features where a new one begins
@@ -23,25 +23,25 @@ struct TrackModel {
   double pixel_sigma = 0.1;        ///< of each observation, independent [px]
   double drift_sigma = 0.03;       ///< of a feature on its surface, in each frame [px]
   double disparity_sigma = 0.1;    ///< independent [px]
-  double fleeting_share = 0.3;     ///< of the features: these end
+  double fleeting_share = 0.3;     ///< of the features: short-lived, these end
   double fleeting_end_rate = 0.3;  ///< with this probability in each frame, and
   double lasting_end_rate = 0.02;  ///< the others with this one
   double outlier_rate = 0.002;     ///< with which a feature begins to slide off, in each frame
   double slide_px = 1.0;           ///< how far it then goes in each frame
-  double stereo_share = 0.95;      ///< of what both cameras could see has a disparity
+  double stereo_share = 0.95;      ///< share of the landmarks visible in both that has a disparity
 };
 
 /// Throws ConfigError.
 TrackModel read_track_model(ConfigReader section);
 
-/// Feature tracks of a stereo camera that moves through a world. Landmarks are points of what the
-/// cameras see there and then. Deterministic: the same calls give the same tracks.
+/// Feature tracks of a stereo camera that moves through a world. Landmarks are points of visible
+/// surfaces. Deterministic: the same calls give the same tracks.
 class TrackSimulator {
  public:
   TrackSimulator(const StereoCalibration& calibration, const TrackModel& model, std::uint64_t seed);
 
   /// Observations in the rectified pair.
-  /// @param world  as it stands at that time
+  /// @param world  at that time
   TrackedFrame track(Timestamp stamp, const Pose& T_map_body, const SceneView& world);
 
  private:
@@ -56,9 +56,9 @@ class TrackSimulator {
   [[nodiscard]] std::optional<Eigen::Vector3d> ideal_observation(const Track& track,
                                                                  const Pose& T_map_body,
                                                                  const SceneView& world) const;
-  [[nodiscard]] bool is_seen_by_right(const Track& track,
-                                      const Pose& T_map_body,
-                                      const SceneView& world) const;
+  [[nodiscard]] bool is_visible_in_right(const Track& track,
+                                         const Pose& T_map_body,
+                                         const SceneView& world) const;
   bool outlives_frame(LandmarkId landmark, Track& track) const;
   void follow(const Pose& T_map_body, const SceneView& world);
   void begin_tracks(const Pose& T_map_body, const SceneView& world);
@@ -66,7 +66,7 @@ class TrackSimulator {
   [[nodiscard]] StereoObservation observe(LandmarkId landmark,
                                           const Track& track,
                                           const Eigen::Vector3d& ideal,
-                                          bool is_seen_by_right) const;
+                                          bool is_visible_in_right) const;
   [[nodiscard]] bool is_in_image(const Camera& camera,
                                  const Pose& T_body_cam,
                                  const Eigen::Vector3d& p_body) const;
@@ -81,7 +81,7 @@ class TrackSimulator {
   std::uint64_t frame_ = 0;
   std::uint32_t next_landmark_ = 0;
   std::map<LandmarkId, Track> tracks_;
-  TrackedFrame seen_;  // of the frame at work
+  TrackedFrame seen_;  // the current frame
 };
 
 }  // namespace fleetloc

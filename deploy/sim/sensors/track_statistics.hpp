@@ -13,15 +13,15 @@
 
 namespace fleetloc {
 
-/// What tracks are like, measured against the world in which they were made.
+/// Statistics of tracks, by the world in which they were made.
 struct TrackStatistics {
   double tracks_per_frame = 0.0;      ///< mean
   double median_length_frames = 0.0;  ///< of tracks that have ended
   double p90_length_frames = 0.0;
   double stereo_share = 0.0;       ///< of observations, with disparity
   double pixel_sigma = 0.0;        ///< of the change from frame to frame, by its median [px]
-  double error_after_10_px = 0.0;  ///< median distance from where the first pixel's point is,
-  double error_after_30_px = 0.0;  ///< after so many frames
+  double error_after_10_px = 0.0;  ///< median reprojection error of the landmark,
+  double error_after_30_px = 0.0;  ///< after this many frames; see TrackAssessment
   double disparity_sigma = 0.0;    ///< by the median [px]
   double outlier_share = 0.0;      ///< of observations, more than 3 px off
 };
@@ -33,8 +33,8 @@ void print(std::ostream& stream,
            const char* right_name,
            const TrackStatistics& right);
 
-/// Takes the first pixel of each track for the image of the world's point there, and compares what
-/// follows with that point.
+/// The landmark of a track is the point of the world at its first pixel; later observations are
+/// compared with its projection.
 class TrackAssessment {
  public:
   explicit TrackAssessment(RectifiedStereo stereo) : stereo_(std::move(stereo)) {}

@@ -10,7 +10,7 @@
 
 namespace fleetloc {
 
-/// Where the pixels of a camera look, by its exact model, computed once.
+/// Viewing rays of the pixels of a camera, by its exact model, computed once.
 class ViewRays {
  public:
   explicit ViewRays(const Camera& camera);
@@ -18,7 +18,7 @@ class ViewRays {
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
 
-  /// Of a pixel, by rows.
+  /// Index of a pixel, row by row.
   [[nodiscard]] std::size_t index(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px_) +
            static_cast<std::size_t>(u);
@@ -27,14 +27,15 @@ class ViewRays {
   [[nodiscard]] const Eigen::Vector3f& direction(int u, int v) const {
     return directions_[index(u, v)];
   }
-  /// Halfway from one pixel to a neighbour, both by their index.
+  /// Ray halfway between two neighbouring pixels, given by their indices; unit length.
   [[nodiscard]] Eigen::Vector3f direction_between(std::size_t pixel, std::size_t next) const {
     return (directions_[pixel] + directions_[next]).normalized();
   }
 
-  [[nodiscard]] float pixel_rad() const { return pixel_rad_; }  ///< about the image's middle
+  /// Angle of a pixel at the image's center.
+  [[nodiscard]] float pixel_rad() const { return pixel_rad_; }
 
-  /// Share of the light that arrives, for a lens that loses `corner_loss` of it in the corners.
+  /// Vignetting: share of the light that arrives, 1 - `corner_loss` in the corners.
   [[nodiscard]] float vignetting(int u, int v, float corner_loss) const;
 
  private:

@@ -6,27 +6,27 @@
 
 namespace fleetloc {
 
-/// What the world draws lots for. Each has numbers of its own, so that more trees move no building.
-enum class Lot : std::uint8_t {
+/// Streams of random numbers, one for each kind of object, so that more trees move no building.
+enum class RandomStream : std::uint8_t {
   kGround,
   kBuilding,
   kTree,
   kFurniture,
   kCar,
   kStructure,
-  kSession,
+  kSeason,
   kDynamicObject,
 };
 
-/// Random numbers in a row, for one object of the world.
+/// The random numbers of one object of the world, one after the other.
 class Draw {
  public:
-  Draw(std::uint64_t seed, Lot lot, std::uint64_t index)
-      : random_(seed, static_cast<std::uint64_t>(lot)), index_(index) {}
+  Draw(std::uint64_t seed, RandomStream stream, std::uint64_t index)
+      : random_(seed, static_cast<std::uint64_t>(stream)), index_(index) {}
 
-  /// In (least, most).
-  float uniform(float least, float most) {
-    return least + (most - least) * static_cast<float>(random_.uniform(index_, item_++));
+  /// In (min, max).
+  float uniform(float min, float max) {
+    return min + (max - min) * static_cast<float>(random_.uniform(index_, item_++));
   }
   bool chance(float share) { return uniform(0.0F, 1.0F) < share; }
   /// In [0, count).

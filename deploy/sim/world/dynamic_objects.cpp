@@ -72,7 +72,7 @@ void add_bicycle(SceneObject& object, Draw& draw) {
 struct Habit {
   float min_m_per_s;
   float max_m_per_s;
-  float reach_m;
+  float half_length_m;
   bool rides;
 };
 
@@ -83,14 +83,14 @@ std::vector<DynamicObject> drawn(const RouteField& route,
   const auto count = static_cast<std::uint64_t>(std::lround(per_100_m * route.length_m() / 100.0F));
   std::vector<DynamicObject> dynamic_objects;
   for (std::uint64_t i = 0; i < count; ++i) {
-    Draw draw(seed, Lot::kDynamicObject, 2 * i + (habit.rides ? 1 : 0));
+    Draw draw(seed, RandomStream::kDynamicObject, 2 * i + (habit.rides ? 1 : 0));
     DynamicObject dynamic_object;
-    dynamic_object.reach_m = habit.reach_m * draw.uniform(0.5F, 1.0F);
+    dynamic_object.half_length_m = habit.half_length_m * draw.uniform(0.5F, 1.0F);
     dynamic_object.arc_m = draw.uniform(0.0F, route.length_m());
     dynamic_object.speed_m_per_s = draw.uniform(habit.min_m_per_s, habit.max_m_per_s);
     dynamic_object.lateral_m = draw.uniform(1.0F, 2.4F) * (draw.chance(0.5F) ? 1.0F : -1.0F);
     dynamic_object.start_s =
-        draw.uniform(0.0F, 4.0F * dynamic_object.reach_m / dynamic_object.speed_m_per_s);
+        draw.uniform(0.0F, 4.0F * dynamic_object.half_length_m / dynamic_object.speed_m_per_s);
     if (habit.rides) add_bicycle(dynamic_object.object, draw);
     add_rider(dynamic_object.object, habit.rides ? 0.95F : 0.9F, draw);
     dynamic_objects.push_back(std::move(dynamic_object));
@@ -101,11 +101,11 @@ std::vector<DynamicObject> drawn(const RouteField& route,
 }  // namespace
 
 Placement DynamicObject::at(const RouteField& route, float body_height_m, double time_s) const {
-  const double round_m = 4.0 * static_cast<double>(reach_m);
+  const double round_m = 4.0 * static_cast<double>(half_length_m);
   const double gone = static_cast<double>(speed_m_per_s) * (time_s + static_cast<double>(start_s));
-  const auto way = static_cast<float>(gone - round_m * std::floor(gone / round_m));
-  const bool is_going = way < 2.0F * reach_m;
-  const float arc = arc_m + (is_going ? way - reach_m : 3.0F * reach_m - way);
+  const auto phase_m = static_cast<float>(gone - round_m * std::floor(gone / round_m));
+  const bool is_going = phase_m < 2.0F * half_length_m;
+  const float arc = arc_m + (is_going ? phase_m - half_length_m : 3.0F * half_length_m - phase_m);
   Placement placement;
   placement.p_map = route.beside(arc, lateral_m);
   placement.p_map.z() -= body_height_m;
@@ -119,7 +119,7 @@ std::vector<DynamicObject> drawn_people(const RouteField& route,
   return drawn(route,
                per_100_m,
                seed,
-               {.min_m_per_s = 0.8F, .max_m_per_s = 1.7F, .reach_m = 18.0F, .rides = false});
+               {.min_m_per_s = 0.8F, .max_m_per_s = 1.7F, .half_length_m = 18.0F, .rides = false});
 }
 
 std::vector<DynamicObject> drawn_cyclists(const RouteField& route,
@@ -128,7 +128,7 @@ std::vector<DynamicObject> drawn_cyclists(const RouteField& route,
   return drawn(route,
                per_100_m,
                seed,
-               {.min_m_per_s = 3.0F, .max_m_per_s = 5.0F, .reach_m = 40.0F, .rides = true});
+               {.min_m_per_s = 3.0F, .max_m_per_s = 5.0F, .half_length_m = 40.0F, .rides = true});
 }
 
 }  // namespace fleetloc

@@ -8,20 +8,21 @@
 
 namespace fleetloc {
 
-/// A person or a cyclist who goes to and fro along a piece of the route, beside the robot's track.
+/// A person or a cyclist who moves back and forth along a section of the route, beside the robot's
+/// path.
 struct DynamicObject {
-  SceneObject object;    ///< in its own frame, x forward
-  float arc_m = 0.0F;    ///< middle of its way
-  float reach_m = 0.0F;  ///< to both sides of that
+  SceneObject object;          ///< in its own frame, x forward
+  float arc_m = 0.0F;          ///< middle of the section, along the route
+  float half_length_m = 0.0F;  ///< of the section
   float speed_m_per_s = 0.0F;
   float lateral_m = 0.0F;
-  float start_s = 0.0F;  ///< of its round
+  float start_s = 0.0F;  ///< offset of its time
 
-  /// Where it stands; a function of time alone.
+  /// Its placement; a function of time alone.
   [[nodiscard]] Placement at(const RouteField& route, float body_height_m, double time_s) const;
 };
 
-/// Spread over the whole route.
+/// At random over the whole route.
 std::vector<DynamicObject> drawn_people(const RouteField& route,
                                         float per_100_m,
                                         std::uint64_t seed);

@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// Four numbers that every operator works on at once, in the vector registers that any processor
-/// of the target has. Comparisons give lanes of all bits or none, for `mask ? a : b`.
+/// Four numbers in a vector register (SIMD) of the baseline instruction set. Comparisons give lanes
+/// of all bits or none, for `mask ? a : b`.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 using Uint4 = std::uint32_t __attribute__((vector_size(16)));

@@ -7,8 +7,8 @@
 
 namespace fleetloc {
 
-// Things of the street. `placement` is the middle of the base, on the ground; the x axis runs
-// along the route. They reach a little below the ground, because that may slope.
+// Street furniture. `placement` is the middle of the base, on the ground; the x axis runs along the
+// route. They reach a little below the ground, because that may slope.
 
 SceneObject make_pole(const Placement& placement, Draw& draw);
 SceneObject make_sign(const Placement& placement, Draw& draw);

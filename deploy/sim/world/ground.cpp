@@ -24,7 +24,7 @@ GroundSurface surface_at(float distance_m, float half_path_m) {
 }  // namespace
 
 Ground::Ground(const RouteField& route, const SceneConfig& config, std::uint64_t seed)
-    : route_(&route), config_(&config), seed_(Draw(seed, Lot::kGround, 0).bits()) {}
+    : route_(&route), config_(&config), seed_(Draw(seed, RandomStream::kGround, 0).bits()) {}
 
 float Ground::height(const Eigen::Vector2f& p) const {
   // The farther from the route, the more of it counts, so that the slope across stays gentle.
@@ -104,7 +104,7 @@ void cover_with_snow(SceneObject& ground,
   constexpr float kHeap_m = 3.0F;   // beside the lane; beyond the snow lies as it fell
   constexpr float kHeaped = 0.6F;   // beside the lane, in depths
   constexpr float kSlope_m = 0.8F;  // from the lane up
-  const std::uint32_t drifts = Draw(seed, Lot::kGround, 1).bits();
+  const std::uint32_t drifts = Draw(seed, RandomStream::kGround, 1).bits();
   for (Eigen::Vector3f& vertex : ground.mesh.vertices) {
     const float beside = route.distance(vertex.head<2>(), kHalfLane_m + kHeap_m) - kHalfLane_m;
     if (beside <= 0.0F) continue;

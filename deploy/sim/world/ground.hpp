@@ -8,15 +8,16 @@
 
 namespace fleetloc {
 
-/// The ground about a route: `body_height_m` below it, smoothly on to hills beside it.
+/// The ground around a route: `body_height_m` below it, with a smooth transition to hills beside
+/// it.
 class Ground {
  public:
   Ground(const RouteField& route, const SceneConfig& config, std::uint64_t seed);
 
-  /// In map [m]; defined within the strip about the route, level with its nearest point beyond.
+  /// In map [m]; defined within the strip around the route.
   [[nodiscard]] float height(const Eigen::Vector2f& p) const;
 
-  /// Its surfaces are the paving, the verge and the grass, see GroundSurface.
+  /// Its surfaces are those of GroundSurface.
   [[nodiscard]] SceneObject object() const;
 
  private:
@@ -25,8 +26,8 @@ class Ground {
   std::uint32_t seed_;
 };
 
-/// Snow on the ground of Ground::object(): `depth_m` deep, more and less, but for a lane along the
-/// route, beside which it is heaped up.
+/// Snow on the ground of Ground::object(): about `depth_m` deep, cleared from a lane along the
+/// route and heaped up beside it.
 void cover_with_snow(SceneObject& ground,
                      const RouteField& route,
                      float depth_m,

@@ -29,7 +29,7 @@ struct Met {
   Int4 is_hit;
 };
 
-/// Four rays; triangles without area are never met.
+/// Four rays; degenerate triangles are never hit.
 template <typename V>
 Met met(const Sides<V>& triangle, const RayPacket& rays, const HitPacket& hits, std::size_t i) {
   const Vector4x3 d = {
@@ -58,10 +58,10 @@ void keep(const Int4& is_hit, const T& value, auto* to) {
 
 }  // namespace
 
-void meet_triangle(const std::array<Eigen::Vector3f, 3>& corners,
-                   const TriangleIdentity& identity,
-                   const RayPacket& rays,
-                   HitPacket& hits) {
+void intersect_triangle(const std::array<Eigen::Vector3f, 3>& corners,
+                        const TriangleIdentity& identity,
+                        const RayPacket& rays,
+                        HitPacket& hits) {
   const Eigen::Vector3f a = corners[1] - corners[0];
   const Eigen::Vector3f b = corners[2] - corners[0];
   const Sides<Eigen::Vector3f> triangle{.first = corners[0], .a = a, .b = b, .n = a.cross(b)};
@@ -78,9 +78,9 @@ void meet_triangle(const std::array<Eigen::Vector3f, 3>& corners,
   }
 }
 
-void OwnTriangles::set(std::size_t lane,
-                       const std::array<Eigen::Vector3f, 3>& corners,
-                       std::uint32_t its_surface) {
+void LaneTriangles::set(std::size_t lane,
+                        const std::array<Eigen::Vector3f, 3>& corners,
+                        std::uint32_t its_surface) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<std::size_t>(axis);
     first.at(k).at(lane) = corners[0][axis];
@@ -90,7 +90,7 @@ void OwnTriangles::set(std::size_t lane,
   surface.at(lane) = its_surface;
 }
 
-void meet_own_triangles(const OwnTriangles& own, const RayPacket& rays, HitPacket& hits) {
+void intersect_lane_triangles(const LaneTriangles& own, const RayPacket& rays, HitPacket& hits) {
   const auto load = [](const std::array<RayPacket::Lanes<float>, 3>& v, std::size_t i) {
     return Vector4x3{load4(&v[0][i]), load4(&v[1][i]), load4(&v[2][i])};
   };

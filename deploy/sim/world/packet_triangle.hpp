@@ -10,32 +10,33 @@
 
 namespace fleetloc {
 
-/// Of a triangle, as its hits name it.
+/// The indices in a hit on a triangle.
 struct TriangleIdentity {
   std::uint32_t triangle;
   std::uint32_t surface;
 };
 
-/// Rays against one triangle (Moller and Trumbore, 1997); keeps what is nearer than the hits.
-void meet_triangle(const std::array<Eigen::Vector3f, 3>& corners,
-                   const TriangleIdentity& identity,
-                   const RayPacket& rays,
-                   HitPacket& hits);
+/// Intersects rays with one triangle (Moller and Trumbore, 1997); hits that are nearer than those
+/// in `hits` replace them.
+void intersect_triangle(const std::array<Eigen::Vector3f, 3>& corners,
+                        const TriangleIdentity& identity,
+                        const RayPacket& rays,
+                        HitPacket& hits);
 
-/// One triangle for each ray of a packet. A lane that is not set is met by no ray.
-struct OwnTriangles {
+/// One triangle for each lane of a packet; none in a lane that is not set.
+struct LaneTriangles {
   void set(std::size_t lane,
            const std::array<Eigen::Vector3f, 3>& corners,
            std::uint32_t its_surface);
 
   std::array<RayPacket::Lanes<float>, 3> first{};  ///< corner
-  std::array<RayPacket::Lanes<float>, 3> a{};      ///< sides from there
+  std::array<RayPacket::Lanes<float>, 3> a{};      ///< edges from there
   std::array<RayPacket::Lanes<float>, 3> b{};
   RayPacket::Lanes<std::uint32_t> triangle{};
   RayPacket::Lanes<std::uint32_t> surface{};
 };
 
-/// Each ray against its own triangle; keeps what is nearer than the hits.
-void meet_own_triangles(const OwnTriangles& own, const RayPacket& rays, HitPacket& hits);
+/// Intersects each ray with the triangle of its lane; nearer hits replace those in `hits`.
+void intersect_lane_triangles(const LaneTriangles& own, const RayPacket& rays, HitPacket& hits);
 
 }  // namespace fleetloc

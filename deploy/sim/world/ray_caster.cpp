@@ -52,23 +52,24 @@ HitPacket RayCaster::first_hits_on(std::span<const std::uint32_t> triangles,
                                    const RayPacket& rays) const {
   HitPacket hits = no_hits();
   for (const std::uint32_t triangle : triangles) {
-    meet_triangle(
+    intersect_triangle(
         corners(triangle), {.triangle = triangle, .surface = surface(triangle)}, rays, hits);
   }
   trace_rest(rays, hits);
   return hits;
 }
 
-HitPacket RayCaster::hits_on_own(const TrianglePairs& triangles, const RayPacket& rays) const {
+HitPacket RayCaster::first_hits_on_pairs(const TrianglePairs& triangles,
+                                         const RayPacket& rays) const {
   HitPacket hits = no_hits();
   for (const auto& of_rays : triangles) {
-    OwnTriangles own;
+    LaneTriangles own;
     own.triangle = of_rays;
     for (std::size_t i = 0; i < of_rays.size(); ++i) {
       if (of_rays[i] == HitPacket::kNoTriangle || rays.max_m[i] < 0.0F) continue;
       own.set(i, corners(of_rays[i]), surface(of_rays[i]));
     }
-    meet_own_triangles(own, rays, hits);
+    intersect_lane_triangles(own, rays, hits);
   }
   return hits;
 }

@@ -19,7 +19,7 @@ struct Hit {
   std::uint32_t surface = 0;   ///< of the triangle
 };
 
-/// Rays side by side, for those that go nearly the same way. Unused lanes have `max_m` < 0.
+/// A packet of coherent rays. Unused lanes have `max_m` < 0.
 struct alignas(64) RayPacket {
   static constexpr int kSize = 16;
   template <typename T>
@@ -38,7 +38,7 @@ struct alignas(64) HitPacket {
   RayPacket::Lanes<float> distance_m;  ///< kNone where nothing was hit; then the rest is undefined
   RayPacket::Lanes<float> normal_x, normal_y, normal_z;  ///< as in Hit
   RayPacket::Lanes<std::uint32_t> surface;
-  RayPacket::Lanes<std::uint32_t> triangle;  ///< its number in this caster
+  RayPacket::Lanes<std::uint32_t> triangle;  ///< its index in this caster
 };
 
 }  // namespace fleetloc

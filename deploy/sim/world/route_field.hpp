@@ -19,7 +19,7 @@ struct Footprint {
   [[nodiscard]] bool overlaps(const Footprint& other) const;
 };
 
-/// The way of the body over the ground, in points 0.5 m apart.
+/// The route of the body over the ground, as points 0.5 m apart, with spatial queries.
 class RouteField {
  public:
   /// @param route_map  positions of the body along the route, at least two that differ
@@ -29,14 +29,15 @@ class RouteField {
   [[nodiscard]] float length_m() const;
   [[nodiscard]] Eigen::Vector3f position(float arc_m) const;  ///< arc_m is clamped to the route
   [[nodiscard]] float heading_rad(float arc_m) const;
-  /// `lateral_m` to the left of the route, which goes straight on beyond its ends; z is its own.
+  /// `lateral_m` to the left of the route, which is extended straight beyond its ends; z is that of
+  /// the route [m].
   [[nodiscard]] Eigen::Vector3f beside(float arc_m, float lateral_m) const;
 
-  /// To the whole route, wherever it comes back; at most `max_m`.
+  /// Horizontal distance to the nearest point of the whole route, at most `max_m` [m].
   [[nodiscard]] float distance(const Eigen::Vector2f& p, float max_m) const;
   [[nodiscard]] bool is_clear(const Footprint& footprint, float clearance_m) const;
 
-  /// Points of the route within `radius_m`.
+  /// Points of the route within the horizontal `radius_m`.
   [[nodiscard]] std::vector<Eigen::Vector3f> near(const Eigen::Vector2f& p, float radius_m) const;
 
   [[nodiscard]] const std::vector<Eigen::Vector3f>& points() const { return points_; }

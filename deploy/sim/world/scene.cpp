@@ -13,9 +13,9 @@
 namespace fleetloc {
 namespace {
 
-constexpr float kBeyond_m = 35.0F;  // the ends of the route there is still something to see
+constexpr float kBeyond_m = 35.0F;  // the ends of the route there are still objects
 
-/// Ground that is being built on.
+/// Places that are taken while the scene is built.
 class Site {
  public:
   Site(const RouteField& route, const SceneConfig& config, std::uint64_t seed)
@@ -39,7 +39,7 @@ class Site {
 
   /// What is scattered along the route: how much, how large, where across it.
   struct Scatter {
-    Lot lot;
+    RandomStream lot;
     std::uint64_t first_index;
     float per_100_m;
     Eigen::Vector2f size_m;
@@ -108,7 +108,7 @@ void add_buildings(Site& site, Scene& scene) {
     const int count = static_cast<int>((end + kBeyond_m) / config.spacing_m) + 1;
     for (int i = 0; i < count; ++i) {
       const float arc = -kBeyond_m + static_cast<float>(i) * config.spacing_m;
-      Draw draw(site.seed(), Lot::kBuilding, index++);
+      Draw draw(site.seed(), RandomStream::kBuilding, index++);
       const float width =
           std::min(draw.uniform(config.width_m.x(), config.width_m.y()), config.spacing_m - 1.8F);
       const Eigen::Vector3f size(
@@ -123,7 +123,7 @@ void add_buildings(Site& site, Scene& scene) {
 }
 
 void add_structures(Site& site, Scene& scene) {
-  site.scatter({.lot = Lot::kStructure,
+  site.scatter({.lot = RandomStream::kStructure,
                 .first_index = 0,
                 .per_100_m = site.config().per_100_m.structures,
                 .size_m = kStructureSize,
@@ -140,7 +140,7 @@ void add_structures(Site& site, Scene& scene) {
 void add_cars(Site& site, Scene& scene) {
   constexpr float kPlay_m = 0.7F;  // of a car along its parking place
   site.scatter(
-      {.lot = Lot::kCar,
+      {.lot = RandomStream::kCar,
        .first_index = 0,
        .per_100_m = site.config().per_100_m.cars,
        .size_m = kCarSize + Eigen::Vector2f(2.0F * kPlay_m, 0.2F),
@@ -158,7 +158,7 @@ void add_cars(Site& site, Scene& scene) {
 
 void add_plants(Site& site, Scene& scene) {
   const auto& density = site.config().per_100_m;
-  site.scatter({.lot = Lot::kTree,
+  site.scatter({.lot = RandomStream::kTree,
                 .first_index = 0,
                 .per_100_m = density.trees,
                 .size_m = {1.2F, 1.2F},
@@ -169,7 +169,7 @@ void add_plants(Site& site, Scene& scene) {
                  scene.furniture.push_back(std::move(tree.wood));
                  scene.leaves.push_back(std::move(tree.crown));
                });
-  site.scatter({.lot = Lot::kTree,
+  site.scatter({.lot = RandomStream::kTree,
                 .first_index = 1U << 20U,
                 .per_100_m = 0.6F * density.clutter,
                 .size_m = {2.2F, 2.2F},
@@ -188,7 +188,7 @@ void add_furniture(Site& site, Scene& scene) {
                          const Eigen::Vector2f& size,
                          const Eigen::Vector2f& lateral,
                          auto make) {
-    site.scatter({.lot = Lot::kFurniture,
+    site.scatter({.lot = RandomStream::kFurniture,
                   .first_index = kind << 20U,
                   .per_100_m = per_100_m,
                   .size_m = size,

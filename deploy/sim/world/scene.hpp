@@ -14,7 +14,7 @@
 
 namespace fleetloc {
 
-/// A place where, by season, one of several objects stands or none.
+/// A place that, by season, holds one of several objects or none.
 struct Slot {
   Footprint footprint;
   std::vector<SceneObject> variants;
@@ -33,8 +33,8 @@ struct Scene {
   std::vector<Slot> structures;
 };
 
-/// The same for the same arguments. Nothing stands within the clearance of any part of the route,
-/// and the ground passes below it.
+/// Deterministic. Nothing stands within the clearance of any part of the route, and the ground
+/// passes below it.
 ///
 /// @param route_map  positions of the body along the route, in its order
 /// Throws std::invalid_argument for a route shorter than 0.5 m or not finite.

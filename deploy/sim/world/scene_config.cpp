@@ -21,7 +21,7 @@ float share(ConfigReader& config, const std::string& key) {
   return within(config, key, 0.0, 1.0);
 }
 
-/// `least_<what>` and `most_<what>`.
+/// `min_<what>` and `max_<what>`.
 Eigen::Vector2f range(ConfigReader& config, const std::string& what) {
   const float min = positive(config, "min_" + what);
   return {min, within(config, "max_" + what, min, 1e3)};

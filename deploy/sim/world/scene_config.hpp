@@ -15,11 +15,11 @@ struct SceneConfig {
     float cell_m;
     float relief_m;         ///< of the hills beside the route, peak to peak
     float relief_length_m;  ///< from hill to valley
-    float path_width_m;     ///< paved, about the route
+    float path_width_m;     ///< paved, around the route
   };
   struct Buildings {
     float spacing_m;            ///< from one to the next along each side, gaps included
-    Eigen::Vector2f setback_m;  ///< least and most, of the facade from the route
+    Eigen::Vector2f setback_m;  ///< min and max, of the facade from the route
     Eigen::Vector2f height_m;
     Eigen::Vector2f width_m;  ///< along the route
   };
@@ -34,7 +34,7 @@ struct SceneConfig {
   };
   float body_height_m;  ///< of the route above the ground
   float half_width_m;   ///< of the strip along the route in which there is anything
-  float clearance_m;    ///< about the route, in which nothing stands
+  float clearance_m;    ///< around the route, in which nothing stands
   Ground ground;
   Buildings buildings;
   Density per_100_m;
@@ -47,14 +47,14 @@ struct SeasonConfig {
   float sun_elevation_rad;
   float sun;      ///< on a surface that faces it; 1 is a bright day
   float ambient;  ///< light of the sky
-  float haze_m;   ///< distance at which the air hides 63 %
+  float haze_m;   ///< distance at which the contrast has fallen by 63 %
   bool has_leaves;
   float leaf_albedo;
   float grass_albedo;
   float snow;          ///< share of the level ground under snow
   float snow_depth_m;  ///< beside the lane
   float cars_present;  ///< share of the parking places
-  float cars_changed;  ///< share of them that is not as it is in the survey
+  float cars_changed;  ///< share of them that differs from the survey
   float structures_present;
   float structures_changed;
   float facades_changed;  ///< share of facades that were painted over or hung with posters

@@ -14,14 +14,14 @@ namespace {
 constexpr float kLeafAlbedo = 0.3F;  // that plants are built with
 constexpr float kSnowHeapFrom = 0.5F;
 
-/// How much of something there is in a season, and how much of it is not as in the survey.
+/// How much of a kind of object is there in a season, and how much of it differs from the survey.
 struct Change {
   float present_in_survey;
   float present;
   float changed;
 };
 
-/// A number for each name, so that seasons draw apart from each other (FNV-1a).
+/// A number for each name, so that seasons have different random numbers (FNV-1a).
 std::uint64_t seed_of(std::uint64_t seed, const std::string& season) {
   std::uint64_t hash = 0xcbf29ce484222325U ^ seed;
   for (const char letter : season) {
@@ -50,10 +50,10 @@ class Furnisher {
   [[nodiscard]] const SceneObject* standing(const Slot& slot,
                                             std::uint64_t index,
                                             const Change& change) const {
-    Draw first(scene_->seed, Lot::kSession, index);
+    Draw first(scene_->seed, RandomStream::kSeason, index);
     auto variant = drawn_variant(slot, change.present_in_survey, first);
     if (!is_survey_) {
-      Draw draw(season_seed_, Lot::kSession, index);
+      Draw draw(season_seed_, RandomStream::kSeason, index);
       if (draw.chance(change.changed)) {
         const auto before = variant;
         variant = drawn_variant(slot, change.present, draw);
@@ -66,7 +66,7 @@ class Furnisher {
   /// Some buildings are painted over or hung with posters.
   [[nodiscard]] SceneObject building(std::size_t index, float changed) const {
     SceneObject object = scene_->buildings[index];
-    Draw draw(season_seed_, Lot::kBuilding, index);
+    Draw draw(season_seed_, RandomStream::kBuilding, index);
     if (is_survey_ || !draw.chance(changed)) return object;
     const bool has_posters = draw.chance(0.4F);
     for (Surface& surface : object.surfaces) {

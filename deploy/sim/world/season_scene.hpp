@@ -19,7 +19,7 @@ struct SceneView {
   std::vector<Surface> surfaces;  ///< Hit::surface counts these
 };
 
-/// What stands in one season, and who moves. Immutable; any number of threads may ask.
+/// The static and the dynamic objects of one season. Immutable, thread-safe.
 class SeasonScene {
  public:
   struct Parts {
@@ -32,11 +32,11 @@ class SeasonScene {
   };
   explicit SeasonScene(Parts parts);
 
-  /// With people and bicycles where they are; time counts from the start of the season. What lies
+  /// With people and bicycles where they are; time counts from the start of the season. Times
   /// within a few milliseconds may share a view.
   [[nodiscard]] SceneView at(double time_s) const;
 
-  /// What stands still.
+  /// The static objects.
   [[nodiscard]] const RayCaster& fixed() const { return fixed_; }
   [[nodiscard]] const SeasonConfig& config() const { return config_; }
   [[nodiscard]] const Eigen::Vector3f& to_sun() const { return to_sun_; }  ///< in map, unit length
@@ -53,8 +53,8 @@ class SeasonScene {
   std::size_t triangles_;
 };
 
-/// The scene as it is in `season`. What the season does not change is the same, to the vertex,
-/// as in `survey`; the same for the same arguments.
+/// The scene as it is in `season`. What the season does not change is identical, to the vertex,
+/// with `survey`. Deterministic.
 SeasonScene apply_season(const Scene& scene,
                          const SeasonConfig& season,
                          const SeasonConfig& survey);

@@ -11,8 +11,8 @@
 
 namespace fleetloc {
 
-/// An object of the world, put together from simple shapes in its own frame. The mesh is in map;
-/// its surfaces count those of this object.
+/// An object of the world, composed of simple shapes in its own frame. The mesh is in map; its
+/// surfaces count those of this object.
 struct SceneObject {
   Placement placement;
   Mesh mesh;
@@ -22,12 +22,12 @@ struct SceneObject {
 /// @return the index of the new surface, whose texture is fixed in the object's frame
 std::uint32_t add_surface(SceneObject& object, Pattern pattern, float albedo, std::uint32_t seed);
 
-/// Corners in the object's frame, around the face.
+/// A quadrilateral; corners in the object's frame, in their order around it [m].
 void add_quad(SceneObject& object,
               const std::array<Eigen::Vector3f, 4>& corners,
               std::uint32_t surface);
 
-/// Upright in the object's frame.
+/// A box along the axes of the object's frame [m].
 void add_box(SceneObject& object,
              const Eigen::Vector3f& center,
              const Eigen::Vector3f& size,

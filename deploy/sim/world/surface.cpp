@@ -179,7 +179,8 @@ Float4 layer_value(const Layer& layer, const OnSurface& cells, std::uint32_t see
   Float4 weight_y = y - to_float(k);
   weight_y = layer.is_smooth ? smoothed(weight_y) : edge(weight_y, kEdgeWidth * cells.footprint_v);
   Float4 x = cells.u - 0.5F;
-  if (layer.is_bond) {  // A row's shift holds for one row: take that of the row which is seen.
+  if (layer
+          .is_bond) {  // A row's shift holds for that row alone: take that of the row at the point.
     const Int4 row = k - (weight_y >= 0.5F);
     x += 0.5F * to_float(row & 1);
   }
@@ -196,7 +197,7 @@ Float4 visible_share(const OnSurface& cells) {
 }
 
 /// The plane of the frame's axes that the surface is nearest to.
-OnSurface on_surface(const Surface& surface, const SeenPoints& seen) {
+OnSurface on_surface(const Surface& surface, const ShadingPoints& seen) {
   const float c = surface.cos_yaw;
   const float s = surface.sin_yaw;
   const auto turned_x = [&](const Float4& x, const Float4& y) { return c * x + s * y; };
@@ -250,7 +251,7 @@ Surface make_surface(Pattern pattern, float albedo, std::uint32_t seed, const Pl
   return surface;
 }
 
-Float4 albedo(const Surface& surface, const SeenPoints& seen) {
+Float4 albedo(const Surface& surface, const ShadingPoints& seen) {
   const OnSurface place_m = on_surface(surface, seen);
   Float4 value = all4(1.0F);
   std::uint32_t seed = surface.seed;
@@ -265,7 +266,7 @@ Float4 albedo(const Surface& surface, const SeenPoints& seen) {
   return clamped(surface.albedo * value, 0.02F, 0.98F);
 }
 
-Float4 snow_share(const SeenPoints& seen, float cover) {
+Float4 snow_share(const ShadingPoints& seen, float cover) {
   const Float4 up = clamped((seen.normal_map[2] - 0.35F) / 0.3F, 0.0F, 1.0F);
   if (cover <= 0.0F || !any(up > 0.0F)) return all4(0.0F);
   const Float4& x = seen.p_map[0];

@@ -15,10 +15,10 @@ struct RTCSceneTy;
 
 namespace fleetloc {
 
-/// Embree's tree over one mesh, and what Embree does not keep.
+/// Embree's bounding volume hierarchy over one mesh, with the surfaces of its triangles.
 class TriangleTree {
  public:
-  /// `mark` is part of the numbers of its triangles in hits: a bit that they do not have otherwise.
+  /// `mark` is a bit that is set in the indices of its triangles in hits, to tell two trees apart.
   /// Throws as RayCaster does.
   explicit TriangleTree(const Mesh& mesh, std::uint32_t mark = 0);
   ~TriangleTree();
@@ -31,7 +31,7 @@ class TriangleTree {
 
   [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray, float max_m) const;
 
-  /// Keeps what is nearer than the hits.
+  /// Hits that are nearer than those in `hits` replace them.
   void first_hits(const RayPacket& rays, HitPacket& hits) const;
 
   [[nodiscard]] bool occluded(const Ray& ray, float min_m, float max_m) const;

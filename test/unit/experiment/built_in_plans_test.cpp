@@ -27,7 +27,7 @@ TEST(BuiltInPlans, DriveTheRingBothWays) {
   EXPECT_FALSE(ring.reverse);
   EXPECT_TRUE(reversed.reverse);
   reversed.reverse = false;
-  EXPECT_EQ(way_of(ring), way_of(reversed));
+  EXPECT_EQ(driven_waypoints(ring), driven_waypoints(reversed));
 }
 
 }  // namespace

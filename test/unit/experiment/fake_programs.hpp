@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// Scripts in place of the programs: what they are asked for is logged in `calls`, and a run folder
-/// gets just the files that results are read from.
+/// Scripts in place of the programs: their arguments are logged in `calls`, and a run folder gets
+/// just the files that results are read from.
 inline Programs fake_programs(const std::string& replay_ends = "exit 0") {
   const std::string calls = (test_folder() / "calls").string();
   const std::string log = "#!/bin/sh\necho \"$(basename $0) $*\" >> " + calls + "\n";

@@ -68,7 +68,7 @@ TEST(TiltFactor, HasTheJacobianOfItsResidualAndIsBlindToYawAndPosition) {
 
 TEST(WindowMotion, MovesABodyAsItsJacobianSays) {
   const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
-  const Matrix6d J = motion.by_body(kPose);
+  const Matrix6d J = motion.J_body_motion(kPose);
   for (int i = 0; i < 6; ++i) {
     const Vector6d coordinates = 1e-6 * Vector6d::Unit(i);
     const Eigen::Quaterniond R = exp_so3(coordinates.head<3>() / motion.lever_m);
@@ -106,16 +106,16 @@ TEST(PoseAnchor, HoldsWeakDirectionsOnlyAndNeverClaimsToKnowThemBetter) {
   const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
   Eigen::Matrix<double, 6, Eigen::Dynamic> weak(6, 2);
   weak << Vector6d::Unit(3), Vector6d::Unit(2);
-  const Matrix6d by_body = motion.by_body(kPose);
+  const Matrix6d J_body_motion = motion.J_body_motion(kPose);
   const Matrix6d wide = 0.04 * Matrix6d::Identity();
   const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
 
   const Matrix6d information = information_along(weak, motion, {kPose, wide}, 1e-6);
-  EXPECT_LT((information * by_body.col(0)).norm(), 1e-9);
-  EXPECT_LT((information * by_body.col(5)).norm(), 1e-9);
-  EXPECT_GT(by_body.col(3).dot(information * by_body.col(3)), 1.0);
+  EXPECT_LT((information * J_body_motion.col(0)).norm(), 1e-9);
+  EXPECT_LT((information * J_body_motion.col(5)).norm(), 1e-9);
+  EXPECT_GT(J_body_motion.col(3).dot(information * J_body_motion.col(3)), 1.0);
 
-  const Matrix6d W = by_body.inverse();
+  const Matrix6d W = J_body_motion.inverse();
   const Matrix6d expected = W * wide * W.transpose();
   const Matrix6d widened = W * widened_along(weak, motion, {kPose, narrow}, wide) * W.transpose();
   EXPECT_NEAR(widened(3, 3), expected(3, 3), 1e-9);
@@ -129,7 +129,7 @@ TEST(PoseAnchor, LosesItsWayWithThePathAndNotOnlyWithTheDistanceFromWhereItWas) 
   const PoseAnchor anchor{.keyframe = std::nullopt,
                           .T_odom_body = kPose,
                           .travelled_m = 10.0,
-                          .belief = {kPose, 1e-6 * Matrix6d::Identity()}};
+                          .estimate = {kPose, 1e-6 * Matrix6d::Identity()}};
   const Matrix6d still = anchor.at(kPose, 10.0, drift).covariance;
   const Matrix6d looped = anchor.at(kPose, 60.0, drift).covariance;
   EXPECT_LT(still(5, 5), 1e-5);

@@ -52,7 +52,7 @@ struct Errors {
 };
 
 void add_errors(const SimulatedSession& robot,
-                const RelativeKnowledge& knowledge,
+                const RelativeMarginals& marginals,
                 const Correction& chosen,
                 const Correction& used,
                 Errors& errors) {
@@ -60,7 +60,7 @@ void add_errors(const SimulatedSession& robot,
   window.solve(used);
   errors.pose_nees.add(window.pose_nees());
   errors.oldest_nees.add(window.oldest_nees());
-  for (const auto& pair : knowledge.relative_poses) {
+  for (const auto& pair : marginals.relative_poses) {
     const Pose truth =
         inverse(robot.truth(static_cast<int>(pair.from))) * robot.truth(static_cast<int>(pair.to));
     const Vector6d error =
@@ -68,7 +68,7 @@ void add_errors(const SimulatedSession& robot,
     errors.rotation.add(error.head<3>().squaredNorm());
     errors.translation.add(error.tail<3>().squaredNorm());
   }
-  const int first = static_cast<int>(knowledge.relative_poses.front().from);
+  const int first = static_cast<int>(marginals.relative_poses.front().from);
   errors.chain.add(
       (window.pose(KeyframeId{static_cast<std::uint32_t>(first)}).p - robot.truth(first).p)
           .squaredNorm());
@@ -105,15 +105,15 @@ struct Items {
   Mean pose_nees, pose_gain, landmark_nees, landmark_gain, poses, landmarks;
 };
 
-void add_items(const SimulatedSession& robot, const RelativeKnowledge& knowledge, Items& items) {
-  for (const auto& pair : knowledge.relative_poses) {
+void add_items(const SimulatedSession& robot, const RelativeMarginals& marginals, Items& items) {
+  for (const auto& pair : marginals.relative_poses) {
     const Pose truth =
         inverse(robot.truth(static_cast<int>(pair.from))) * robot.truth(static_cast<int>(pair.to));
     items.pose_nees.add(
         nees_of(local_coordinates(pair.T_from_to, truth), pair.covariances.with_map));
     items.pose_gain.add(pair.covariances.gain());
   }
-  for (const auto& landmark : knowledge.landmarks) {
+  for (const auto& landmark : marginals.landmarks) {
     const Eigen::Vector3d truth = inverse(robot.truth(kNewest)) * robot.run().landmark(landmark.id);
     items.landmark_nees.add(
         nees_of(Eigen::Vector3d(landmark.p_anchor - truth), landmark.covariances.with_map));
@@ -132,9 +132,9 @@ TEST(MapCorrection, IsHonestItemByItemAndTogetherAndBetterThanTheRobotAlone) {
     const SimulatedSession robot({.seed = seed, .noise_of_right_pixel = true});
     SessionLocalizer localizer(robot.session(), room_map(), localizer_config());
     localize_until(localizer, robot, kNewest);
-    const auto knowledge = relative_knowledge(*localizer.system(), config);
-    ASSERT_TRUE(knowledge);
-    add_items(robot, *knowledge, items);
+    const auto marginals = relative_marginals(*localizer.system(), config);
+    ASSERT_TRUE(marginals);
+    add_items(robot, *marginals, items);
     const Correction chosen = *localizer.correction();
     items.poses.add(static_cast<double>(chosen.relative_poses.size()));
     items.landmarks.add(static_cast<double>(chosen.landmarks.size()));
@@ -142,7 +142,7 @@ TEST(MapCorrection, IsHonestItemByItemAndTogetherAndBetterThanTheRobotAlone) {
       CorrectionConfig tried = config;
       tried.pose_inflation = trial.pose_inflation;
       tried.landmark_inflation = trial.landmark_inflation;
-      add_errors(robot, *knowledge, chosen, map_correction(*knowledge, tried), trial.errors);
+      add_errors(robot, *marginals, chosen, map_correction(*marginals, tried), trial.errors);
     }
   }
   std::printf("poses %.1f (gain %.2f, NEES %.2f), landmarks %.1f (gain %.2f, NEES %.2f)\n",
@@ -195,7 +195,7 @@ MapMatch match_of(const WindowLandmark& landmark) {
   MapMatch match;
   match.landmark = landmark;
   match.q_map = landmark.p_map;
-  match.normal = (landmark.seen_from - landmark.p_map).normalized();
+  match.normal = (landmark.viewpoint_map - landmark.p_map).normalized();
   match.is_planar = true;
   match.sigma_m = 0.03;
   return match;
@@ -209,14 +209,14 @@ TEST(MapCorrection, SendsNothingWithoutAMatchOrWithOneAlone) {
   const auto sent = [&](const std::vector<MapMatch>& matches) {
     window.problem.set_matches(matches);
     EXPECT_TRUE(window.problem.solve(20).is_usable);
-    const auto knowledge = relative_knowledge(window.problem.system(), config);
-    EXPECT_TRUE(knowledge);
+    const auto marginals = relative_marginals(window.problem.system(), config);
+    EXPECT_TRUE(marginals);
     if (matches.empty()) {
-      for (const auto& pair : knowledge->relative_poses) {
+      for (const auto& pair : marginals->relative_poses) {
         EXPECT_NEAR(pair.covariances.gain(), 0.0, 1e-4);
       }
     }
-    const Correction correction = map_correction(*knowledge, config);
+    const Correction correction = map_correction(*marginals, config);
     return correction.relative_poses.size() + correction.landmarks.size();
   };
   EXPECT_EQ(sent({}), 0U);

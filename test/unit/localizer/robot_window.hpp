@@ -13,10 +13,10 @@
 
 namespace fleetloc {
 
-/// What a robot does with a correction: the estimate of its own window from its own measurements
-/// (edges and observations of `keyframes` keyframes up to `newest`) and the items of the correction
-/// as independent measurements. The newest keyframe is held at the truth, so that the errors are
-/// those of relative quantities.
+/// The effect of a correction on the robot: the estimate of its own window from its own
+/// measurements (edges and observations of `keyframes` keyframes up to `newest`) and the items of
+/// the correction as independent measurements. The newest keyframe is held at the truth, so that
+/// the errors are those of relative quantities.
 class RobotWindow {
  public:
   RobotWindow(const SimulatedSession& robot, int newest, int keyframes);

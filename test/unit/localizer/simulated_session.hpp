@@ -68,7 +68,8 @@ class SimulatedSession {
   Pose T_map_odom_;
 };
 
-/// Squared error of an answer against the truth by its covariance; 6 on average if that is honest.
+/// Squared error of an answer against the truth by its covariance; 6 on average if that is
+/// consistent.
 double nees(const LocalizationResult& answer, const Pose& truth);
 double position_error(const LocalizationResult& answer, const Pose& truth);  ///< [m]
 double rotation_error(const LocalizationResult& answer, const Pose& truth);  ///< [rad]

@@ -40,7 +40,7 @@ std::vector<WindowLandmark> landmarks_of(double cleared_share) {
     const LandmarkId id{static_cast<unsigned>(landmarks.size())};
     landmarks.push_back({.id = id,
                          .p_map = p_map,
-                         .seen_from = {0.0, 0.0, 1.0},
+                         .viewpoint_map = {0.0, 0.0, 1.0},
                          .covariance = 4e-4 * Eigen::Matrix3d::Identity()});
   };
   const CounterRandom random(11, 0);
@@ -63,7 +63,7 @@ std::vector<WindowLandmark> landmarks_of(double cleared_share) {
 std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const Eigen::Vector3d& t) {
   for (WindowLandmark& landmark : landmarks) {
     landmark.p_map += t;
-    landmark.seen_from += t;
+    landmark.viewpoint_map += t;
   }
   return landmarks;
 }
@@ -86,7 +86,7 @@ TEST(Snow, DoesNotPullAStartUnderTheGround) {
   const LaserMap map = yard();
   const auto config = localizer_config();
   const RigidAlignment alignment(map, config.association, config.alignment);
-  const PoseBelief prior{.T_map_body = Pose{}, .covariance = start_covariance()};
+  const PoseWithCovariance prior{.T_map_body = Pose{}, .covariance = start_covariance()};
   const RigidAlignment::Gates gates{1.0, config.rounds.final_gate_m};
   for (const double cleared_share : {0.3, 1.0}) {
     const auto landmarks = landmarks_of(cleared_share);

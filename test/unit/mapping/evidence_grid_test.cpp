@@ -15,7 +15,7 @@ using Kind = SurfaceCell::Kind;
 constexpr double kCell = 0.2;
 
 /// A square of 4 x 4 m about `center`, points 5 cm apart, spanned by two unit vectors.
-std::vector<Eigen::Vector3f> sheet(const Eigen::Vector3f& center,
+std::vector<Eigen::Vector3f> plane(const Eigen::Vector3f& center,
                                    const Eigen::Vector3f& u,
                                    const Eigen::Vector3f& v) {
   std::vector<Eigen::Vector3f> points;
@@ -39,7 +39,7 @@ TEST(EvidenceGrid, FindsTheCellsOfItsPointsAndNoOthers) {
   EXPECT_FALSE(grid.find({-0.01, 0.01, 0.1}));
 }
 
-TEST(EvidenceGrid, WalksThroughEveryCellOnTheWayOnceAndThroughNoOther) {
+TEST(EvidenceGrid, TraversesEveryCellOfALineOnceAndNoOther) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-3.0F, 3.0F);
   std::vector<Eigen::Vector3f> points(4000);
@@ -53,47 +53,47 @@ TEST(EvidenceGrid, WalksThroughEveryCellOnTheWayOnceAndThroughNoOther) {
     for (int i = 0; i <= kSamples; ++i) {
       if (const auto index = grid.find(from + (to - from) * i / kSamples)) sampled.insert(*index);
     }
-    std::vector<std::size_t> walked;
-    grid.walk(from, to, [&](std::size_t index) { walked.push_back(index); });
-    const std::set<std::size_t> distinct(walked.begin(), walked.end());
-    EXPECT_EQ(distinct.size(), walked.size());
+    std::vector<std::size_t> visited;
+    grid.traverse(from, to, [&](std::size_t index) { visited.push_back(index); });
+    const std::set<std::size_t> distinct(visited.begin(), visited.end());
+    EXPECT_EQ(distinct.size(), visited.size());
     EXPECT_TRUE(std::ranges::includes(distinct, sampled));  // samples may jump over a corner
     EXPECT_LE(distinct.size(), sampled.size() + 1);
   }
 }
 
-TEST(EvidenceGrid, WalksAlongAnAxis) {
+TEST(EvidenceGrid, TraversesAlongAnAxis) {
   const EvidenceGrid grid(
       std::vector<Eigen::Vector3f>{{0.1F, 0.1F, 0.1F}, {-2.9F, 0.1F, 0.1F}, {3.1F, 0.1F, 0.1F}},
       kCell);
   int cells = 0;
-  grid.walk({2.0, 0.1, 0.1}, {-3.0, 0.1, 0.1}, [&](std::size_t) { ++cells; });
+  grid.traverse({2.0, 0.1, 0.1}, {-3.0, 0.1, 0.1}, [&](std::size_t) { ++cells; });
   EXPECT_EQ(cells, 2);
 }
 
-TEST(EvidenceGrid, KnowsTheNormalOfASheet) {
+TEST(EvidenceGrid, KnowsTheNormalOfAPlane) {
   const Eigen::Vector3f u = Eigen::Vector3f(1.0F, 0.5F, 0.0F).normalized();
   const Eigen::Vector3f v = Eigen::Vector3f(-0.2F, 0.4F, 1.0F).normalized();
-  const EvidenceGrid grid(sheet({0.03F, 0.07F, 0.01F}, u, v), kCell);
+  const EvidenceGrid grid(plane({0.03F, 0.07F, 0.01F}, u, v), kCell);
   const Eigen::Vector3f normal = u.cross(v).normalized();
-  std::size_t sheets = 0;
+  std::size_t planes = 0;
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (grid.cell(i).kind != Kind::kSheet) continue;
-    ++sheets;
+    if (grid.cell(i).kind != Kind::kPlanar) continue;
+    ++planes;
     EXPECT_GT(std::abs(grid.cell(i).normal.dot(normal)), 0.99F);
   }
-  EXPECT_GT(sheets, grid.size() * 9 / 10);
+  EXPECT_GT(planes, grid.size() * 9 / 10);
 }
 
-TEST(EvidenceGrid, TakesAnUprightLineForAStakeAndALevelOneForUnknown) {
+TEST(EvidenceGrid, TakesAnUprightLineForNonPlanarAndALevelOneForUnknown) {
   std::vector<Eigen::Vector3f> upright;
   std::vector<Eigen::Vector3f> level;
   for (int i = 0; i < 100; ++i) {
     upright.emplace_back(0.1F, 0.1F, 0.02F * static_cast<float>(i));
     level.emplace_back(0.02F * static_cast<float>(i), 0.1F, 0.1F);
   }
-  const EvidenceGrid stakes(upright, kCell);
-  for (std::size_t i = 0; i < stakes.size(); ++i) EXPECT_EQ(stakes.cell(i).kind, Kind::kStake);
+  const EvidenceGrid pole(upright, kCell);
+  for (std::size_t i = 0; i < pole.size(); ++i) EXPECT_EQ(pole.cell(i).kind, Kind::kNonPlanar);
   const EvidenceGrid ring(level, kCell);
   for (std::size_t i = 0; i < ring.size(); ++i) EXPECT_EQ(ring.cell(i).kind, Kind::kUnknown);
 }

@@ -33,16 +33,16 @@ class RayEvidenceTest : public ::testing::Test {
   RayEvidenceTest() { config_.scan_stride = 1; }
 
   /// So many scans of rays side by side in the board's middle that end at `x`.
-  void look(int scans, double x) {
+  void cast_rays(int scans, double x) {
     for (int scan = 0; scan < scans; ++scan) {
-      std::vector<Sighting> sightings;
-      for (int ray = -4; ray <= 4; ++ray) {
+      std::vector<LidarRay> rays;
+      for (int offset = -4; offset <= 4; ++offset) {
         const double share = x / kBoard.x();
-        sightings.push_back(
-            {.from_map = kLidar,
-             .p_map = {x + 0.02, share * (kBoard.y() + 0.02 * ray), kLidar.z() + 0.01 * share}});
+        rays.push_back(
+            {.origin_map = kLidar,
+             .p_map = {x + 0.02, share * (kBoard.y() + 0.02 * offset), kLidar.z() + 0.01 * share}});
       }
-      evidence().add_scan(sightings);
+      evidence().add_scan(rays);
     }
   }
 
@@ -65,75 +65,75 @@ class RayEvidenceTest : public ::testing::Test {
 
 TEST_F(RayEvidenceTest, KeepsWhatEverySessionHits) {
   for (int session = 0; session < 3; ++session) {
-    look(5, 5.0);
+    cast_rays(5, 5.0);
     evidence().end_session();
   }
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
 }
 
-TEST_F(RayEvidenceTest, DropsWhatAnotherSessionLooksThrough) {
-  look(50, 5.0);
+TEST_F(RayEvidenceTest, DropsWhatAnotherSessionSeesThrough) {
+  cast_rays(50, 5.0);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
-  look(5, kWallX);
+  cast_rays(5, kWallX);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kSeenThrough);
   EXPECT_EQ(verdict_at({10.02, 0.05, 1.22}), Verdict::kKept);  // where the rays end
 }
 
-TEST_F(RayEvidenceTest, TakesASessionThatNeverLookedForNoWitness) {
-  look(5, 5.0);
+TEST_F(RayEvidenceTest, IgnoresASessionThatHasNotObservedTheCell) {
+  cast_rays(5, 5.0);
   evidence().end_session();
   for (int session = 0; session < 3; ++session) {
-    look(5, 4.0);  // ends before the board
+    cast_rays(5, 4.0);  // ends before the board
     evidence().end_session();
   }
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
 }
 
-TEST_F(RayEvidenceTest, DropsWhatTheSameSessionLooksThroughLater) {
-  look(5, 5.0);
-  look(95, kWallX);
+TEST_F(RayEvidenceTest, DropsWhatTheSameSessionSeesThroughLater) {
+  cast_rays(5, 5.0);
+  cast_rays(95, kWallX);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kSeenThrough);
 }
 
-TEST_F(RayEvidenceTest, KeepsWhatIsHitAsOftenAsItIsLookedThrough) {
+TEST_F(RayEvidenceTest, KeepsWhatIsHitAsOftenAsItIsMissed) {
   for (int i = 0; i < 20; ++i) {
-    look(1, 5.0);
-    look(1, kWallX);
+    cast_rays(1, 5.0);
+    cast_rays(1, kWallX);
   }
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
 }
 
-TEST_F(RayEvidenceTest, AsksForSoManySessions) {
+TEST_F(RayEvidenceTest, RequiresAMinimumOfSessions) {
   config_.min_sessions = 2;
-  look(5, 5.0);
+  cast_rays(5, 5.0);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kUnconfirmed);
-  look(5, 5.0);
+  cast_rays(5, 5.0);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
 }
 
 TEST_F(RayEvidenceTest, OneOfManySessionsMayBeWrong) {
   for (int session = 0; session < 9; ++session) {
-    look(5, 5.0);
+    cast_rays(5, 5.0);
     evidence().end_session();
   }
-  look(5, kWallX);
+  cast_rays(5, kWallX);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
 }
 
 TEST_F(RayEvidenceTest, KeepsGroundThatRaysGrazeOnTheirWayToTheWall) {
   // The rays meet the wall a hand's breadth above the ground, and pass over metres of it before.
-  std::vector<Sighting> sightings;
+  std::vector<LidarRay> rays;
   for (int i = -75; i < 75; ++i) {
-    sightings.push_back({.from_map = kLidar, .p_map = {10.02, 0.02 * i, 0.05}});
+    rays.push_back({.origin_map = kLidar, .p_map = {10.02, 0.02 * i, 0.05}});
   }
-  for (int scan = 0; scan < 50; ++scan) evidence().add_scan(sightings);
+  for (int scan = 0; scan < 50; ++scan) evidence().add_scan(rays);
   evidence().end_session();
   for (int i = 0; i < 50; ++i) {
     const double x = 0.1 + 0.2 * i;
@@ -141,14 +141,14 @@ TEST_F(RayEvidenceTest, KeepsGroundThatRaysGrazeOnTheirWayToTheWall) {
   }
 }
 
-TEST_F(RayEvidenceTest, LooksThroughOnlyInEveryStrideOfScansAndWeighsThemSo) {
+TEST_F(RayEvidenceTest, CountsMissesOnlyInEveryStrideOfScansAndWeighsThemSo) {
   config_.scan_stride = 10;
-  look(5, 5.0);
-  look(5, kWallX);  // not one of these is looked at
+  cast_rays(5, 5.0);
+  cast_rays(5, kWallX);  // not one of these is traced
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kKept);
-  look(1, 5.0);
-  look(40, kWallX);
+  cast_rays(1, 5.0);
+  cast_rays(40, kWallX);
   evidence().end_session();
   EXPECT_EQ(verdict_of_board(), Verdict::kSeenThrough);
 }

@@ -32,11 +32,11 @@ Trajectory poses_of(const SplineMotion& motion, double rate_hz) {
 }
 
 /// Greatest distance of points at the wall's height from the wall's plane.
-double off_the_wall(const std::vector<Sighting>& sightings) {
+double off_the_wall(const std::vector<LidarRay>& rays) {
   double most = 0.0;
   int on_wall = 0;
-  for (const Sighting& sighting : sightings) {
-    const Eigen::Vector3d& p = sighting.p_map;
+  for (const LidarRay& ray : rays) {
+    const Eigen::Vector3d& p = ray.p_map;
     if (std::abs(p.x()) > 8.0 || p.y() < 5.0 || p.z() < 0.5) continue;
     most = std::max(most, std::abs(p.y() - static_cast<double>(Yard::kWallY)));
     ++on_wall;
@@ -52,14 +52,14 @@ TEST(SurveySession, TakesTheMotionOutOfAScanThatTurns) {
   const SplineMotion motion = turning();
   const LidarScan scan = lidar.scan(Yard().caster(), motion, kSurveyStart, 15);
   const Trajectory poses = poses_of(motion, 100.0);
-  const auto sightings = place(scan, config.calibration, poses, kMaxGap);
-  ASSERT_TRUE(sightings);
-  ASSERT_EQ(sightings->size(), scan.points.size());
-  EXPECT_LT(off_the_wall(*sightings), 0.002);
+  const auto rays = deskewed(scan, config.calibration, poses, kMaxGap);
+  ASSERT_TRUE(rays);
+  ASSERT_EQ(rays->size(), scan.points.size());
+  EXPECT_LT(off_the_wall(*rays), 0.002);
 
   const Pose start = interpolate(poses, scan.stamp, kMaxGap).value();
   const Trajectory frozen{{kSurveyStart, start}, {kSurveyStart + from_seconds(4.0), start}};
-  const auto smeared = place(scan, config.calibration, frozen, std::chrono::seconds(10));
+  const auto smeared = deskewed(scan, config.calibration, frozen, std::chrono::seconds(10));
   ASSERT_TRUE(smeared);
   EXPECT_GT(off_the_wall(*smeared), 0.1);
 }
@@ -68,12 +68,12 @@ TEST(SurveySession, KnowsWhereTheLidarWas) {
   const LidarConfig config = survey_lidar();
   const SplineMotion motion = turning();
   const LidarScan scan = Lidar(config, 1).scan(Yard().caster(), motion, kSurveyStart, 15);
-  const auto sightings = place(scan, config.calibration, poses_of(motion, 100.0), kMaxGap);
-  ASSERT_TRUE(sightings);
+  const auto rays = deskewed(scan, config.calibration, poses_of(motion, 100.0), kMaxGap);
+  ASSERT_TRUE(rays);
   const std::size_t last = scan.points.size() - 1;
   const double time_s = 1.5 + config.calibration.column_time_s(scan.points[last].column);
   const Pose truth = motion.at(time_s).T_map_body * config.calibration.T_body_lidar;
-  EXPECT_LT(((*sightings)[last].from_map - truth.p).norm(), 1e-3);
+  EXPECT_LT(((*rays)[last].origin_map - truth.p).norm(), 1e-3);
 }
 
 TEST(SurveySession, HasNoPlaceForAScanThatThePosesDoNotCover) {
@@ -82,14 +82,14 @@ TEST(SurveySession, HasNoPlaceForAScanThatThePosesDoNotCover) {
   const Trajectory poses = poses_of(motion, 100.0);
   LidarScan scan = Lidar(config, 1).scan(Yard().caster(), motion, kSurveyStart, 15);
   const Trajectory late(poses.begin() + 155, poses.end());  // begins within the scan
-  EXPECT_FALSE(place(scan, config.calibration, late, kMaxGap));
+  EXPECT_FALSE(deskewed(scan, config.calibration, late, kMaxGap));
   const Trajectory early(poses.begin(), poses.begin() + 155);
-  EXPECT_FALSE(place(scan, config.calibration, early, kMaxGap));
+  EXPECT_FALSE(deskewed(scan, config.calibration, early, kMaxGap));
   Trajectory with_gap = poses;
   with_gap.erase(with_gap.begin() + 140, with_gap.begin() + 170);
-  EXPECT_FALSE(place(scan, config.calibration, with_gap, kMaxGap));
+  EXPECT_FALSE(deskewed(scan, config.calibration, with_gap, kMaxGap));
   scan.points.clear();
-  EXPECT_FALSE(place(scan, config.calibration, late, kMaxGap));
+  EXPECT_FALSE(deskewed(scan, config.calibration, late, kMaxGap));
 }
 
 class SurveyFolder : public ::testing::Test {
@@ -110,9 +110,9 @@ class SurveyFolder : public ::testing::Test {
 TEST_F(SurveyFolder, IsReadScanByScan) {
   const SurveySession session(folder_, kMaxGap);
   ASSERT_EQ(session.scans(), 80U);
-  const auto sightings = session.scan(7);
-  ASSERT_TRUE(sightings);
-  EXPECT_GT(sightings->size(), 5000U);
+  const auto rays = session.scan(7);
+  ASSERT_TRUE(rays);
+  EXPECT_GT(rays->size(), 5000U);
 }
 
 TEST_F(SurveyFolder, NeedsALidar) {

@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-/// Level ground between two walls, a thin pole, and what stands or walks there.
+/// Level ground between two walls, a thin pole, and boxes added to it.
 class Yard {
  public:
   static constexpr float kWallY = 8.0F;
@@ -79,7 +79,7 @@ inline Pose pose_in_yard(double time_s) {
   return {.R = Eigen::Quaterniond::Identity(), .p = {time_s - 4.0, 0.0, 0.9}};
 }
 
-/// Writes a survey as a dataset; `world(time_s)` is what a scan meets.
+/// Writes a survey as a dataset; `world(time_s)` is the scene of a scan.
 inline std::filesystem::path written_survey(const std::filesystem::path& folder,
                                             std::uint64_t seed,
                                             const std::function<RayCaster(double)>& world) {

@@ -36,7 +36,7 @@ FrameRecord localized_frame(int i) {
 
 TEST(WatchedRun, KnowsNothingBeforeThereIsARun) {
   WatchedRun run(test_folder() / "later" / "robot_7", truth());
-  const RobotView view = run.look();
+  const RobotView view = run.update();
   EXPECT_EQ(view.name, "robot_7");
   EXPECT_EQ(view.state, "");
   EXPECT_TRUE(std::isnan(view.time_s));
@@ -48,10 +48,10 @@ TEST(WatchedRun, FollowsARunUntilItsEnd) {
   WatchedRun run(folder, truth());
   RunFolder written(folder);
   written.add_frame(frame(0.0, Quality::kInitializing));
-  EXPECT_EQ(run.look().state, "initializing");
-  EXPECT_TRUE(std::isnan(run.look().error_m));
+  EXPECT_EQ(run.update().state, "initializing");
+  EXPECT_TRUE(std::isnan(run.update().error_m));
   for (int i = 1; i <= 100; ++i) written.add_frame(localized_frame(i));
-  const RobotView view = run.look();
+  const RobotView view = run.update();
   EXPECT_EQ(view.state, "localized");
   EXPECT_NEAR(view.time_s, 10.0, 1e-6);
   EXPECT_NEAR(view.error_m, kError_m, 1e-6);
@@ -61,7 +61,7 @@ TEST(WatchedRun, FollowsARunUntilItsEnd) {
   EXPECT_NEAR(view.round_trip_s, 0.45, 1e-6);
   EXPECT_FALSE(view.ended);
   written.finish({});
-  EXPECT_TRUE(run.look().ended);
+  EXPECT_TRUE(run.update().ended);
 }
 
 TEST(WatchedRun, HasNoErrorWithoutGroundTruth) {
@@ -69,18 +69,18 @@ TEST(WatchedRun, HasNoErrorWithoutGroundTruth) {
   RunFolder written(folder);
   for (int i = 0; i < 10; ++i) written.add_frame(localized_frame(i));
   WatchedRun run(folder, {});
-  EXPECT_EQ(run.look().state, "localized");
-  EXPECT_TRUE(std::isnan(run.look().error_m));
+  EXPECT_EQ(run.update().state, "localized");
+  EXPECT_TRUE(std::isnan(run.update().error_m));
 }
 
 TEST(WatchedLocalizer, ShowsItsLatestLine) {
   const auto folder = test_folder() / "localizer_1";
   std::filesystem::create_directories(folder);
   WatchedLocalizer localizer(folder);
-  EXPECT_EQ(localizer.look().sessions, "");
+  EXPECT_EQ(localizer.update().sessions, "");
   std::ofstream(folder / "status.csv")
       << "time_s,sessions,load,submaps,localized\n0.5,0,0,0,0\n1.5,2,0.25,12,9\n";
-  const LocalizerView view = localizer.look();
+  const LocalizerView view = localizer.update();
   EXPECT_EQ(view.name, "localizer_1");
   EXPECT_EQ(view.sessions, "2");
   EXPECT_DOUBLE_EQ(view.load, 0.25);

@@ -36,8 +36,8 @@ TEST(RouteFile, HoldsWaypointsWithOrWithoutHeight) {
 
 TEST(RouteFile, MayBeDrivenInTheOppositeDirection) {
   const std::string text = with_laps_of_a_loop("waypoints: [[0, 1], [2, 3], [4, 0]]\n");
-  const auto forwards = way_of(read(text));
-  auto backwards = way_of(read(text + "reverse: true\n"));
+  const auto forwards = driven_waypoints(read(text));
+  auto backwards = driven_waypoints(read(text + "reverse: true\n"));
   EXPECT_NE(forwards, backwards);
   std::ranges::reverse(backwards);
   EXPECT_EQ(forwards, backwards);

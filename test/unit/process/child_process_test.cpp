@@ -20,7 +20,7 @@ using std::chrono::seconds;
 constexpr seconds kLong(60);
 
 ChildCommand shell(const std::string& script) {
-  return {.words = {"/bin/sh", "-c", script},
+  return {.arguments = {"/bin/sh", "-c", script},
           .output = test_folder() / "output",
           .errors = test_folder() / "errors"};
 }
@@ -48,14 +48,14 @@ TEST(ChildProcess, TellsTheExitCodeAndKeepsBothStreams) {
 
 TEST(ChildProcess, TellsTheSignalThatEndedIt) {
   ChildProcess child(shell("kill -SEGV $$"));
-  const ChildEnd end = child.wait();
+  const ExitStatus end = child.wait();
   EXPECT_EQ(end.exit_code, -1);
   EXPECT_EQ(end.signal, SIGSEGV);
 }
 
 TEST(ChildProcess, IsRefusedIfThereIsNoSuchProgram) {
   ChildCommand command = shell("");
-  command.words = {"/no/such/program"};
+  command.arguments = {"/no/such/program"};
   EXPECT_THROW(ChildProcess{command}, std::system_error);
 }
 

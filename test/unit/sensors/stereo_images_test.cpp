@@ -21,7 +21,7 @@ using ::testing::ThrowsMessage;
 const SeasonScene& autumn() {
   static const WorldConfig world = campus();
   static const Scene scene = build_scene(world.scene, eight(), 1);
-  static const SeasonScene only = session_of(world, scene, "autumn");
+  static const SeasonScene only = season_of(world, scene, "autumn");
   return only;
 }
 

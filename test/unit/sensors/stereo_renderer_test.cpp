@@ -71,7 +71,7 @@ TEST(ViewRays, ShowAPointWhereTheCameraModelPutsIt) {
 }
 
 TEST_F(StereoRendererOnCampus, TheSameBytesWithAnyNumberOfThreads) {
-  const SeasonScene season = session_of(world(), scene(), "winter");
+  const SeasonScene season = season_of(world(), scene(), "winter");
   const Pose T_map_body = T_map_body_on_eight(0.3);
   const StereoFrame one = rendered(season, T_map_body, 1);
   for (const int threads : {2, 3}) {
@@ -109,7 +109,7 @@ PixelBlock::Packets block_at(const ViewRays& rays,
 }
 
 TEST_F(StereoRendererOnCampus, ABlockShowsWhatEachOfItsRaysMeets) {
-  const SeasonScene season = session_of(world(), scene(), "autumn");
+  const SeasonScene season = season_of(world(), scene(), "autumn");
   const SceneView view = season.at(5.0);
   const Light light = light_of(season);
   const ViewRays rays(campus_cameras().cam0);
@@ -121,7 +121,7 @@ TEST_F(StereoRendererOnCampus, ABlockShowsWhatEachOfItsRaysMeets) {
     for (int v = 0; v < rays.height_px(); v += PixelBlock::kHeight) {
       for (int u = 0; u < rays.width_px(); u += PixelBlock::kWidth) {
         const PixelBlock::Packets packets = block_at(rays, T_map_cam, u, v);
-        const PixelBlock::Seen seen = shade_block(view, light, packets);
+        const PixelBlock::Shaded seen = shade_block(view, light, packets);
         for (std::size_t i = 0; i < packets.size(); ++i) {
           const HitPacket hits = view.caster.first_hits(packets[i].rays);
           const ShadedPacket alone = shade(view, light, packets[i], hits);
@@ -160,12 +160,12 @@ TEST(PixelBlock, ItsLatticeMeetsEveryRowAndColumn) {
 /// Distances of what the optical flow finds from where the landmarks are in the second image [px].
 std::vector<double> flow_errors(const StereoFrame& first,
                                 const StereoFrame& second,
-                                const std::vector<SeenLandmark>& landmarks,
+                                const std::vector<VisibleLandmark>& landmarks,
                                 const Camera& camera,
                                 const Pose& T_cam_map) {
   std::vector<cv::Point2f> from;
   from.reserve(landmarks.size());
-  for (const SeenLandmark& landmark : landmarks) from.push_back(landmark.pixel);
+  for (const VisibleLandmark& landmark : landmarks) from.push_back(landmark.pixel);
   std::vector<cv::Point2f> to;
   std::vector<unsigned char> found;
   cv::calcOpticalFlowPyrLK(first.left, second.left, from, to, found, cv::noArray(), {21, 21}, 3);
@@ -180,7 +180,7 @@ std::vector<double> flow_errors(const StereoFrame& first,
 }
 
 TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
-  const SeasonScene season = session_of(world(), scene(), GetParam());
+  const SeasonScene season = season_of(world(), scene(), GetParam());
   const StereoCalibration cameras = campus_cameras();
   std::vector<double> errors;
   for (const double share : {0.05, 0.3, 0.62, 0.9}) {
@@ -188,7 +188,7 @@ TEST_P(StereoRendererOnCampus, FlowOfCornersIsTheTrueOne) {
     const Pose after = T_map_body_on_eight(share + 0.0004, 0.01);
     const StereoFrame first = rendered(season, before, 2);
     const StereoFrame second = rendered(season, after, 2);
-    const auto landmarks = seen_landmarks(
+    const auto landmarks = visible_landmarks(
         first.left, season.at(5.0).caster, cameras.cam0, before * cameras.T_body_cam0, 300);
     EXPECT_GE(landmarks.size(), 150U);
     const Pose T_cam_map = inverse(after * cameras.T_body_cam0);
@@ -208,15 +208,15 @@ INSTANTIATE_TEST_SUITE_P(InSession,
                          [](const auto& season) { return std::string(season.param); });
 
 TEST_F(StereoRendererOnCampus, HardSessionShowsMuchThatTheMapDoesNotHave) {
-  const SeasonScene survey = session_of(world(), scene(), "summer");
+  const SeasonScene survey = season_of(world(), scene(), "summer");
   const StereoCalibration cameras = campus_cameras();
   const auto share_in = [&](const std::string& name) {
-    const SeasonScene season = session_of(world(), scene(), name);
-    std::vector<SeenLandmark> all;
+    const SeasonScene season = season_of(world(), scene(), name);
+    std::vector<VisibleLandmark> all;
     for (int i = 0; i < 12; ++i) {
       const Pose T_map_body = T_map_body_on_eight(i / 12.0);
       const StereoFrame frame = rendered(season, T_map_body, 2);
-      const auto seen = seen_landmarks(
+      const auto seen = visible_landmarks(
           frame.left, season.at(5.0).caster, cameras.cam0, T_map_body * cameras.T_body_cam0, 300);
       all.insert(all.end(), seen.begin(), seen.end());
     }

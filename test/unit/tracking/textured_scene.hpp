@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-/// A textured wall, and a poster before it that may move, seen by a small distorted stereo camera.
+/// A textured wall, and a poster in front of it that may move, in a stereo camera with distortion.
 /// World: the wall is the plane z = kWall, the camera looks along z when its pose is the identity.
 class TexturedScene {
  public:
@@ -29,7 +29,7 @@ class TexturedScene {
   [[nodiscard]] StereoFrame render(
       const Pose& T_world_body, const std::optional<Eigen::Vector2d>& poster = std::nullopt) const;
 
-  /// The point of the wall that the rectified left pixel looks at.
+  /// The point of the wall at a pixel of the rectified left image.
   [[nodiscard]] Eigen::Vector3d wall_point(const Pose& T_world_body,
                                            const Eigen::Vector2d& rectified) const;
 

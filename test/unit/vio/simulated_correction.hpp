@@ -12,12 +12,12 @@
 
 namespace fleetloc {
 
-/// What a map would say: the truth with noise of these sigmas, and its information.
+/// A correction by a map: the truth with noise of these sigmas, and its information.
 struct SimulatedCloud {
   double landmark_sigma_m = 0.03;
   double rotation_sigma_rad = 2e-3;
   double translation_sigma_m = 0.01;
-  bool noise = false;          ///< is it drawn as well, or only assumed?
+  bool noise = false;          ///< false: the sigmas are assumed, but no noise is drawn
   double outlier_share = 0.0;  ///< of landmarks, displaced by up to a metre along each axis
   double scale = 1.0;          ///< of the map: a bias
   std::uint64_t seed = 1;

@@ -32,8 +32,7 @@ inline void append(const SimulatedRun& run,
 }
 
 /// A window of five keyframes over a run that has slid a few times, so that states of its prior
-/// have moved away from their first estimates. `before` may do something to it before each
-/// optimization.
+/// have moved away from their first estimates. `before` is called with it before each optimization.
 inline WindowGraph slid_graph(const SimulatedRun& run,
                               const SlidingWindow::Config& config,
                               const std::function<void(WindowGraph&)>& before = {}) {

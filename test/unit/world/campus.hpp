@@ -42,9 +42,9 @@ inline WorldConfig campus() {
                                                    "deploy/worlds/campus.yaml"));
 }
 
-inline SeasonScene session_of(const WorldConfig& world,
-                              const Scene& scene,
-                              const std::string& name) {
+inline SeasonScene season_of(const WorldConfig& world,
+                             const Scene& scene,
+                             const std::string& name) {
   return apply_season(scene, season_named(world, name), season_named(world, world.survey));
 }
 

@@ -119,7 +119,7 @@ TEST(RayCaster, EachRayMeetsTheNearerOfItsOwnTriangles) {
   own[0][1] = HitPacket::kNoTriangle;  // and the moved one does not lie in its way
   own[0][9] = hits.triangle[0];        // of the fixed floor, behind the other or beside the ray
   own[1][9] = hits.triangle[9];
-  const HitPacket again = caster.hits_on_own(own, rays);
+  const HitPacket again = caster.first_hits_on_pairs(own, rays);
   for (std::size_t i = 0; i < RayPacket::kSize; ++i) {
     if (i == 1 || i == 6) {
       EXPECT_EQ(again.distance_m[i], HitPacket::kNone);

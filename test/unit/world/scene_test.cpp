@@ -82,7 +82,7 @@ TEST_F(Campus, IsTheSameForOneSeedAndAnotherForAnother) {
 }
 
 TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
-  const SeasonScene winter = session_of(*world_, *scene_, "winter");
+  const SeasonScene winter = season_of(*world_, *scene_, "winter");
   for (const auto* list : {&scene_->buildings, &scene_->furniture}) {
     for (const SceneObject& object : *list) {
       const Eigen::Vector3f& vertex = object.mesh.vertices[object.mesh.vertices.size() / 2];
@@ -92,8 +92,8 @@ TEST_F(Campus, BuildingsAndWoodStandInEverySession) {
 }
 
 TEST_F(Campus, ASessionTakesLeavesAndMovesCarsAndStructures) {
-  const SeasonScene summer = session_of(*world_, *scene_, "summer");
-  const SeasonScene winter = session_of(*world_, *scene_, "winter");
+  const SeasonScene summer = season_of(*world_, *scene_, "summer");
+  const SeasonScene winter = season_of(*world_, *scene_, "winter");
   const auto missing = [](const std::vector<const SceneObject*>& objects, const SeasonScene& from) {
     int count = 0;
     for (const SceneObject* object : objects) {
@@ -136,12 +136,12 @@ TEST_F(Campus, SnowLiesDeepBesideALaneThatIsCleared) {
     }
   }
   EXPECT_GT(deep, beside * 8 / 10);
-  const auto surveyed = session_of(*world_, *scene_, "summer");
+  const auto surveyed = season_of(*world_, *scene_, "summer");
   EXPECT_TRUE(surveyed.fixed().has_surface_within(before[before.size() / 2], 1e-3F));
 }
 
 TEST_F(Campus, PeopleMoveWithTime) {
-  const SeasonScene winter = session_of(*world_, *scene_, "winter");
+  const SeasonScene winter = season_of(*world_, *scene_, "winter");
   const SceneView now = winter.at(10.0);
   const SceneView same = winter.at(10.0);
   const SceneView later = winter.at(12.0);
