@@ -154,7 +154,7 @@ WindowSystem WindowProblem::system() const {
   std::vector<const double*> points;
   for (const auto& [id, node] : landmarks_) points.push_back(node.point);
 
-  JointEquations joint(kept, points);
+  NormalEquationsBuilder joint(kept, points);
   for (const ceres::ResidualBlockId factor : robot_factors()) joint.add(block_of(factor));
   system.H_robot = joint.reduced().H;
   for (const auto& [id, node] : landmarks_) {

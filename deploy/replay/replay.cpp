@@ -149,7 +149,7 @@ void Replay::take(const ImuSample& sample) {
   recorder_.add_imu_rate_pose(*pose);
   if (localization_) localization_->advance(*pose);
   pipeline_.poll(pose->stamp);
-  recorder_.take(pipeline_, traffic());
+  recorder_.record(pipeline_, traffic());
 }
 
 void Replay::run(const std::stop_token& stop) {
@@ -168,7 +168,7 @@ void Replay::run(const std::stop_token& stop) {
       }
     }
   }
-  recorder_.take(pipeline_, traffic());
+  recorder_.record(pipeline_, traffic());
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   recorder_.finish(pipeline_,
                    traffic(),

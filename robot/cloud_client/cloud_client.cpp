@@ -14,9 +14,9 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxEvents = 100;  // nobody reads them
+constexpr std::size_t kMaxEvents = 100;  // further ones are dropped
 
-// Two answers are the same information if they agree in this.
+// Answers with equal identity are repetitions.
 auto identity(const LocalizationResult& answer) {
   return std::tuple(
       answer.localizer, answer.incarnation, answer.keyframe, answer.revision, answer.status);
@@ -37,22 +37,22 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   newest_.reset();
   correction_.reset();
   corrected_anchor_.reset();
-  if (!used_.empty()) return begin_service(now);
-  follow_selector(now);
+  if (!localizer_.empty()) return start_stream(now);
+  update_localizer(now);
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
-  if (used_.empty() || !session_) {
+  if (localizer_.empty() || !session_) {
     ++statistics_.submaps_without_localizer;
     return;
   }
   submap.robot = robot_;
   sender_.prepare(submap, now);
   try {
-    channel_.send(used_, {Topic::kSubmap, encode(submap)}, now);
+    channel_.send(localizer_, {Topic::kSubmap, encode(submap)}, now);
     ++statistics_.submaps_sent;
     selector_.sent(now);
-  } catch (const NotEncodable&) {  // an estimate beyond all bounds; the next one may be sane again
+  } catch (const NotEncodable&) {  // out of range of the wire type; the next one may fit
     refuse("not_encodable");
   }
 }
@@ -65,22 +65,22 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  if (session_) follow_selector(now);  // by then most localizers have been heard
-  announce_again(now);
+  if (session_) update_localizer(now);  // after the status messages
+  repeat_announcement(now);
   send_status(now);
   return answers;
 }
 
 void CloudClient::note_applied() {
   ++answers_applied_;
-  if (answered_map_) selector_.keep_to(*answered_map_);
+  if (answered_map_) selector_.require_map(*answered_map_);
 }
 
 void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localizer_status(payload);
   if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
   const auto& status = std::get<LocalizerStatus>(decoded);
-  const auto reason = selector_.hear(status, now);
+  const auto reason = selector_.update(status, now);
   if (!reason) return;
   if (*reason == "conflicting_localizer" && !statistics_.refused.contains(std::string(*reason))) {
     note("two localizers are named " + status.localizer + ": the one started first is not used");
@@ -95,7 +95,7 @@ void CloudClient::receive_correction(const Bytes& payload) {
   if (correction.robot != robot_ || !session_ || correction.session != session_->session) {
     return refuse("correction_of_other_session");
   }
-  if (correction.localizer != used_) return refuse("correction_of_other_localizer");
+  if (correction.localizer != localizer_) return refuse("correction_of_other_localizer");
   if (correction.incarnation != selector_.incarnation())
     return refuse("correction_of_other_incarnation");
   if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
@@ -112,9 +112,9 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
     return std::nullopt;
   }
   auto& answer = std::get<LocalizationResult>(decoded);
-  if (const auto reason = why_refused(answer)) {
+  if (const auto reason = rejection_reason(answer)) {
     refuse(*reason);
-    suspect_shared_id(answer, now);
+    check_for_duplicate_id(answer, now);
     return std::nullopt;
   }
   if (answer.status == LocalizationStatus::kNeedFull) {
@@ -131,41 +131,41 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
   return std::move(answer);
 }
 
-std::optional<std::string_view> CloudClient::why_refused(const LocalizationResult& answer) const {
+std::optional<std::string_view> CloudClient::rejection_reason(
+    const LocalizationResult& answer) const {
   if (answer.robot != robot_ || !session_ || answer.session != session_->session) {
     return "other_session";
   }
-  if (answer.localizer != used_) return "other_localizer";
+  if (answer.localizer != localizer_) return "other_localizer";
   const bool asks = answer.status == LocalizationStatus::kNeedFull;
   if (asks && !sender_.awaits(answer.keyframe)) return "not_asked";
   if (answer.incarnation < selector_.incarnation() ||
       (!asks && answer.incarnation != selector_.incarnation())) {
     return "other_incarnation";
   }
-  if (!selector_.is_right(answer.map_hash) && !asks) return "other_map";
+  if (!selector_.accepts_map(answer.map_hash) && !asks) return "other_map";
   return std::nullopt;
 }
 
-// The localizer does not know the session: it was restarted, or has forgotten or never heard it.
+// The localizer does not know the session: it was restarted, has dropped it or never received it.
 void CloudClient::session_requested(const LocalizationResult& answer, Timestamp now) {
   ++statistics_.sessions_requested;
   answered_ = false;
-  if (answer.incarnation !=
-      selector_.incarnation()) {  // its own status will follow, and say the rest
+  if (answer.incarnation != selector_.incarnation()) {  // its status follows, with its load
     const LocalizerStatus status{.localizer = answer.localizer,
                                  .incarnation = answer.incarnation,
                                  .map_hash = answer.map_hash,
                                  .accepting = true};
-    static_cast<void>(selector_.hear(status, now));
+    static_cast<void>(selector_.update(status, now));
     return;
   }
   announcement_interval_s_ = config_.announcement_interval_s;
   if (to_seconds(now - *announced_) < config_.min_announcement_interval_s) return;
-  announce_as_it_is(now);
+  announce_newest_start(now);
 }
 
-// Answers to an earlier session of this robot would have arrived by then.
-void CloudClient::suspect_shared_id(const LocalizationResult& answer, Timestamp now) {
+// After kSettledSeconds no answer to an earlier session of this robot can be in flight.
+void CloudClient::check_for_duplicate_id(const LocalizationResult& answer, Timestamp now) {
   constexpr double kSettledSeconds = 30.0;
   constexpr int kTooMany = 3;
   if (!session_ || answer.robot != robot_ || answer.session == session_->session) return;
@@ -175,14 +175,14 @@ void CloudClient::suspect_shared_id(const LocalizationResult& answer, Timestamp 
   }
 }
 
-void CloudClient::note_trouble() {
-  if (trouble_ == selector_.trouble()) return;
-  trouble_ = selector_.trouble();
-  note(trouble_.empty() ? "localizer " + used_ + " is fine again"
-                        : "localizer " + trouble_ + ", and there is no other");
+void CloudClient::report_warning() {
+  if (reported_warning_ == selector_.warning()) return;
+  reported_warning_ = selector_.warning();
+  note(reported_warning_.empty() ? "localizer " + localizer_ + " is fine again"
+                                 : "localizer " + reported_warning_ + ", and there is no other");
 }
 
-void CloudClient::follow_selector(Timestamp now) {
+void CloudClient::update_localizer(Timestamp now) {
   using Change = LocalizerSelector::Change;
   const Change change = selector_.decide(now, link());
   if (selector_.name().empty() && other_map_ != selector_.other_map()) {
@@ -191,53 +191,53 @@ void CloudClient::follow_selector(Timestamp now) {
       note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
     }
   }
-  if (change == Change::kNone) return note_trouble();
-  trouble_.clear();
-  if (used_ != selector_.name() && !used_.empty()) channel_.release(used_);
-  if (change == Change::kLeft) note("localizer " + used_ + " is left: " + selector_.reason());
-  used_ = selector_.name();
+  if (change == Change::kNone) return report_warning();
+  reported_warning_.clear();
+  if (localizer_ != selector_.name() && !localizer_.empty()) channel_.release(localizer_);
+  if (change == Change::kLeft) note("localizer " + localizer_ + " is left: " + selector_.reason());
+  localizer_ = selector_.name();
   if (change == Change::kLeft) return;
   ++statistics_.localizers_chosen;
   other_map_.clear();
-  note("localizer " + used_ + ", started as " +
+  note("localizer " + localizer_ + ", started as " +
        std::to_string(static_cast<std::uint32_t>(selector_.incarnation())) + ": " +
        selector_.reason());
-  begin_service(now);
+  start_stream(now);
 }
 
-// Of this session at this start of this localizer.
-void CloudClient::begin_service(Timestamp now) {
+// Starts the submap stream of this session to this incarnation of the localizer.
+void CloudClient::start_stream(Timestamp now) {
   answered_ = false;
   status_sent_.reset();
   announcement_interval_s_ = config_.announcement_interval_s;
   if (!session_) return;
   sender_.restart(session_->session, selector_.incarnation());
-  announce_as_it_is(now);
+  announce_newest_start(now);
 }
 
-// To a localizer that knows nothing of it. Repetitions say the same: another start pose would make
-// the localizer begin again.
-void CloudClient::announce_as_it_is(Timestamp now) {
+// For a localizer without this session. Repetitions carry the same start: another one would make
+// the localizer restart the session.
+void CloudClient::announce_newest_start(Timestamp now) {
   session_->start = newest_start_;
   announce(now);
 }
 
 void CloudClient::announce(Timestamp now) {
-  session_->localizer = used_;
+  session_->localizer = localizer_;
   session_->incarnation = selector_.incarnation();
   announced_ = now;
   try {
     channel_.send("", {Topic::kSession, encode(*session_)}, now);
-  } catch (const NotEncodable&) {  // a start pose beyond all bounds: better none than no service
+  } catch (const NotEncodable&) {  // start out of range of the wire type
     refuse("not_encodable");
     session_->start.reset();
     newest_start_.reset();
   }
 }
 
-// The first announcement can be lost while the far side is still being matched.
-void CloudClient::announce_again(Timestamp now) {
-  if (!session_ || used_.empty() || answered_) return;
+// The first announcement is lost if discovery has not yet matched the localizer's reader.
+void CloudClient::repeat_announcement(Timestamp now) {
+  if (!session_ || localizer_.empty() || answered_) return;
   if (to_seconds(now - *announced_) < announcement_interval_s_) return;
   announcement_interval_s_ =
       std::min(2.0 * announcement_interval_s_, config_.max_announcement_interval_s);
@@ -245,7 +245,7 @@ void CloudClient::announce_again(Timestamp now) {
 }
 
 void CloudClient::send_status(Timestamp now) {
-  if (!session_ || used_.empty()) return;
+  if (!session_ || localizer_.empty()) return;
   if (status_sent_ && to_seconds(now - *status_sent_) < config_.status_interval_s) return;
   status_sent_ = now;
   const RobotStatus status{.robot = robot_,
@@ -256,7 +256,7 @@ void CloudClient::send_status(Timestamp now) {
                            .submaps_sent = statistics_.submaps_sent,
                            .answers_applied = answers_applied_,
                            .round_trip = sender_.round_trip()};
-  channel_.send(used_, {Topic::kRobotStatus, encode(status)}, now);
+  channel_.send(localizer_, {Topic::kRobotStatus, encode(status)}, now);
 }
 
 void CloudClient::note(std::string event) {
@@ -275,7 +275,7 @@ CloudClient::Statistics CloudClient::statistics() const {
   Statistics statistics = statistics_;
   statistics.round_trip = sender_.round_trip();
   statistics.loss = sender_.loss();
-  statistics.localizer = used_;
+  statistics.localizer = localizer_;
   return statistics;
 }
 

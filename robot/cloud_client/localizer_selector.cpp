@@ -38,11 +38,11 @@ double doubled(double seconds, int times, double longest) {
 LocalizerSelector::LocalizerSelector(std::string_view robot, const Config& config)
     : robot_(robot), config_(config) {}
 
-std::optional<std::string_view> LocalizerSelector::hear(const LocalizerStatus& status,
-                                                        Timestamp now) {
+std::optional<std::string_view> LocalizerSelector::update(const LocalizerStatus& status,
+                                                          Timestamp now) {
   const auto known = known_.find(status.localizer);
   if (known == known_.end()) {
-    if (known_.size() >= kMaxLocalizers) forget_stalest();
+    if (known_.size() >= kMaxLocalizers) erase_stalest();
     known_[status.localizer] = {.status = status, .heard = now, .older_heard = {}};
     return std::nullopt;
   }
@@ -65,9 +65,9 @@ void LocalizerSelector::sent(Timestamp now) {
 
 void LocalizerSelector::answered(Timestamp now) {
   has_answered_ = true;
-  trouble_.clear();
+  warning_.clear();
   waiting_since_.reset();
-  last_sign_ = now;
+  last_activity_ = now;
   consecutive_timeouts_ = 0;
   known_.at(name_).consecutive_timeouts = 0;
 }
@@ -76,18 +76,19 @@ LocalizerSelector::Change LocalizerSelector::decide(Timestamp now, const Link& l
   const auto other = best(now, false);
   if (name_.empty()) return choose_first(now);
   Known& current = known_.at(name_);
-  if (!is_right(current.status.map_hash)) {
+  if (!accepts_map(current.status.map_hash)) {
     return other == known_.end() ? leave("it has another map now")
                                  : choose(other, name_ + " has another map now", now);
   }
   if (current.status.incarnation != incarnation_) return follow_restart(current, now);
-  if (!is_alive(current, now) && to_seconds(now - last_sign_) > config_.status_timeout_s) {
+  if (!is_alive(current, now) && to_seconds(now - last_activity_) > config_.status_timeout_s) {
     const auto any = other != known_.end() ? other : best(now, true);
-    return leave_silent(current, any, name_ + " is gone", now);
+    return leave_unresponsive(current, any, name_ + " is gone", now);
   }
-  if (is_silent(now, link)) return leave_silent(current, other, name_ + " does not answer", now);
+  if (is_silent(now, link))
+    return leave_unresponsive(current, other, name_ + " does not answer", now);
   if (!current.status.accepting && !has_answered_) {
-    return leave_silent(current, other, name_ + " accepts no more robots", now);
+    return leave_unresponsive(current, other, name_ + " accepts no more robots", now);
   }
   if (other != known_.end() && is_overloaded_for_long(current, other->second, now)) {
     return choose(other, name_ + " is overloaded", now);
@@ -105,11 +106,11 @@ LocalizerSelector::Change LocalizerSelector::choose_first(Timestamp now) {
 
 LocalizerSelector::Change LocalizerSelector::follow_restart(const Known& current, Timestamp now) {
   incarnation_ = current.status.incarnation;
-  trouble_.clear();
+  warning_.clear();
   reason_ = "it was restarted";
   has_answered_ = false;
   waiting_since_.reset();
-  last_sign_ = now;
+  last_activity_ = now;
   return Change::kRestarted;
 }
 
@@ -119,17 +120,18 @@ bool LocalizerSelector::is_alive(const Known& known, Timestamp now) const {
 
 bool LocalizerSelector::is_candidate(const Known& known, Timestamp now, bool even_excluded) const {
   return known.status.localizer != name_ && known.status.accepting && is_alive(known, now) &&
-         is_right(known.status.map_hash) && (even_excluded || known.excluded_until <= now);
+         accepts_map(known.status.map_hash) && (even_excluded || known.excluded_until <= now);
 }
 
-// Other than the present one.
+// The best one other than the chosen one.
 LocalizerSelector::Candidate LocalizerSelector::best(Timestamp now, bool even_excluded) {
   double min_load = 1.0;
   other_map_.clear();
   for (const auto& [name, known] : known_) {
     if (is_candidate(known, now, even_excluded)) {
       min_load = std::min(min_load, known.status.load);
-    } else if (known.status.accepting && is_alive(known, now) && !is_right(known.status.map_hash)) {
+    } else if (known.status.accepting && is_alive(known, now) &&
+               !accepts_map(known.status.map_hash)) {
       other_map_ = name;
     }
   }
@@ -156,7 +158,7 @@ bool LocalizerSelector::is_silent(Timestamp now, const Link& link) const {
   return to_seconds(now - *waiting_since_) > timeout_s;
 }
 
-// Counts the time for as long as it is called with the same finding.
+// True once the overload has lasted for the patience of this robot.
 bool LocalizerSelector::is_overloaded_for_long(const Known& current,
                                                const Known& other,
                                                Timestamp now) {
@@ -179,17 +181,17 @@ LocalizerSelector::Change LocalizerSelector::choose(Candidate candidate,
   incarnation_ = candidate->second.status.incarnation;
   has_answered_ = false;
   waiting_since_.reset();
-  last_sign_ = now;
+  last_activity_ = now;
   overloaded_since_.reset();
   return Change::kChosen;
 }
 
-// Stays where it is if there is nothing better.
-LocalizerSelector::Change LocalizerSelector::leave_silent(Known& current,
-                                                          Candidate other,
-                                                          std::string reason,
-                                                          Timestamp now) {
-  trouble_ = other == known_.end() ? reason : "";
+// Without another localizer the robot stays, with a warning.
+LocalizerSelector::Change LocalizerSelector::leave_unresponsive(Known& current,
+                                                                Candidate other,
+                                                                std::string reason,
+                                                                Timestamp now) {
+  warning_ = other == known_.end() ? reason : "";
   if (other == known_.end()) return Change::kNone;
   current.excluded_until =
       now + from_seconds(doubled(
@@ -202,12 +204,12 @@ LocalizerSelector::Change LocalizerSelector::leave_silent(Known& current,
 LocalizerSelector::Change LocalizerSelector::leave(std::string reason) {
   reason_ = std::move(reason);
   name_.clear();
-  trouble_.clear();
+  warning_.clear();
   waiting_since_.reset();
   return Change::kLeft;
 }
 
-void LocalizerSelector::forget_stalest() {
+void LocalizerSelector::erase_stalest() {
   known_.erase(std::ranges::min_element(known_, {}, [&](const auto& item) {
     return item.first == name_ ? Timestamp::max() : item.second.heard;
   }));

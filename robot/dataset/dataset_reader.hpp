@@ -18,10 +18,10 @@
 
 namespace fleetloc {
 
-/// Plays a folder in the EuRoC/ASL layout (mav0/{cam0,cam1,imu0}) in the order of time; an IMU
-/// sample comes before a frame of the same stamp. The IMU record begins one second before the
-/// first frame that is played and ends with the first sample after the last one. Frames are read
-/// in next(), never ahead. The body is the IMU, whatever frame the files state their poses in.
+/// Plays a folder in the EuRoC/ASL layout (mav0/{cam0,cam1,imu0}) in time order; an IMU sample
+/// comes before a frame of the same stamp. The IMU record begins one second before the first frame
+/// that is played and ends with the first sample after the last one. Frames are read in next(),
+/// never ahead. The body is the IMU, whatever frame the files state their poses in.
 class DatasetReader {
  public:
   using Item = std::variant<ImuSample, CameraFrame>;
@@ -48,7 +48,7 @@ class DatasetReader {
   /// The next measurement; nothing at the end. Throws DatasetError that names file and line.
   std::optional<Item> next();
 
-  /// What was wrong so far, but did no harm: "unpaired_images" (their frame has one empty image),
+  /// Recoverable faults so far, by kind: "unpaired_images" (their frame has one empty image),
   /// "dropped_frames" and "imu_gaps", by the rates that the sensors' files state.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& faults() const { return faults_; }
 

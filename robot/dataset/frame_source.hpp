@@ -7,7 +7,7 @@
 
 namespace fleetloc {
 
-/// The frames of a recording, in the order of time; each is read when it is asked for, never ahead.
+/// The frames of a recording, in time order; each is read on demand, never ahead.
 class FrameSource {
  public:
   FrameSource() = default;
@@ -15,9 +15,10 @@ class FrameSource {
   FrameSource(const FrameSource&) = delete;
   FrameSource& operator=(const FrameSource&) = delete;
 
-  /// Of all frames, increasing.
+  /// Stamps of all frames, increasing.
   [[nodiscard]] virtual const std::vector<Timestamp>& stamps() const = 0;
 
+  /// Throws DatasetError.
   /// @param index  of `stamps`, greater than in the call before
   virtual CameraFrame read(std::size_t index) = 0;
 };

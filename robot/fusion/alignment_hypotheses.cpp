@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-// Scattered wrong answers each found a hypothesis; more than these are not kept.
+// Each outlier starts a hypothesis; beyond this number the oldest is dropped.
 constexpr std::size_t kMaxHypotheses = 4;
 
 }  // namespace
@@ -49,13 +49,14 @@ bool AlignmentHypotheses::contradicts(const Hypothesis& hypothesis) const {
 }
 
 void AlignmentHypotheses::restart(const LocalizationMeasurement& answer) {
-  held_ = hypotheses_.empty() ? HypothesisSupport() : std::move(hypotheses_.back().support);
-  held_.add(answer, config_.window_s);
+  current_support_ =
+      hypotheses_.empty() ? HypothesisSupport() : std::move(hypotheses_.back().support);
+  current_support_.add(answer, config_.window_s);
   hypotheses_.clear();
 }
 
 void AlignmentHypotheses::support(const LocalizationMeasurement& applied) {
-  held_.add(applied, config_.window_s);
+  current_support_.add(applied, config_.window_s);
   for (Hypothesis& hypothesis : hypotheses_) {
     ++hypothesis.applied_since;
   }
@@ -83,12 +84,13 @@ bool AlignmentHypotheses::add(const LocalizationMeasurement& rejected) {
   ++chosen.agreeing;
   chosen.applied_since = 0;
   chosen.support.add(rejected, config_.window_s);
-  return chosen.support.independent() >= std::min(config_.restart_after, held_.independent() + 1);
+  return chosen.support.independent() >=
+         std::min(config_.restart_after, current_support_.independent() + 1);
 }
 
 AlignmentHypotheses AlignmentHypotheses::without_alternatives() const {
   AlignmentHypotheses result(config_);
-  result.held_ = held_;
+  result.current_support_ = current_support_;
   return result;
 }
 
@@ -98,14 +100,14 @@ bool AlignmentHypotheses::contradict() const {
   });
 }
 
-MapOdomEstimate AlignmentHypotheses::hedged(MapOdomEstimate held) const {
+MapOdomEstimate AlignmentHypotheses::inflated(MapOdomEstimate estimate) const {
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (contradicts(hypothesis)) {
-      const Vector6d difference = local_coordinates(held.T_map_odom, hypothesis.T_map_odom);
-      held.covariance += difference * difference.transpose();
+      const Vector6d difference = local_coordinates(estimate.T_map_odom, hypothesis.T_map_odom);
+      estimate.covariance += difference * difference.transpose();
     }
   }
-  return held;
+  return estimate;
 }
 
 }  // namespace fleetloc

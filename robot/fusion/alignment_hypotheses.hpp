@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// How many answers speak for something. They are independent if their windows do not overlap, or
-/// if another start of a localizer made them.
+/// Number of independent answers that support an alignment: those whose windows do not overlap, or
+/// that come from different localizers or incarnations.
 class HypothesisSupport {
  public:
   /// @param window_s  length of the cloud's window
@@ -26,47 +26,50 @@ class HypothesisSupport {
   int independent_ = 0;
 };
 
-/// What rejected answers say that agree with each other: if a gate rejects them all, the mistake
-/// may be the filter's. An alignment replaces the one that is held as soon as more independent
-/// answers speak for it, or enough of them. A value, for replay.
+/// Hypotheses of T_map_odom from answers that the gate rejected and that agree with each other: the
+/// filter may be the one that is wrong. A hypothesis replaces the current estimate as soon as it
+/// has more independent support, or `restart_after` independent answers. A value: copy it to
+/// replay.
 class AlignmentHypotheses {
  public:
   struct Config {
     double gate_chi_square = 0.0;  ///< 6 degrees of freedom
     double window_s = 0.0;         ///< length of the cloud's window
-    int lost_after = 0;            ///< agreeing rejected answers contradict the filter; so many
-                                   ///< applied ones in a row end that
+    int lost_after = 0;            ///< so many agreeing rejected answers contradict the filter; as
+                                   ///< many applied ones in a row end that
     int restart_after = 0;         ///< independent answers that replace the filter's alignment,
-                                   ///< however many it rests on
+                                   ///< whatever its own support
   };
   explicit AlignmentHypotheses(const Config& config);
 
-  /// T_map_odom has become that much more uncertain.
+  /// Adds drift of T_map_odom (right perturbation) to all hypotheses.
   void drift(const Matrix6d& covariance);
 
-  /// What is held rests on this answer now; or, if it had been rejected, on those that agreed.
+  /// The current estimate was initialized from this answer: takes over the support of its
+  /// hypothesis, if there is one, and drops all hypotheses.
   void restart(const LocalizationMeasurement& answer);
 
-  /// Takes an applied answer.
+  /// An applied answer supports the current estimate and counts against the hypotheses.
   void support(const LocalizationMeasurement& applied);
 
-  /// Takes a rejected answer. True: what it says is to replace what is held.
+  /// Adds a rejected answer. True if its hypothesis is to replace the current estimate.
   bool add(const LocalizationMeasurement& rejected);
 
-  /// For a held alignment that goes on in another odometry: it rests on what it did.
+  /// Support of the current estimate without the hypotheses, for after a reset of the odometry.
   [[nodiscard]] AlignmentHypotheses without_alternatives() const;
 
+  /// True if a hypothesis has `lost_after` agreeing answers.
   [[nodiscard]] bool contradict() const;
 
-  /// With a covariance that reaches to the alignments that contradict it.
-  [[nodiscard]] MapOdomEstimate hedged(MapOdomEstimate held) const;
+  /// With a covariance that covers the contradicting hypotheses (outer product of the difference).
+  [[nodiscard]] MapOdomEstimate inflated(MapOdomEstimate estimate) const;
 
  private:
   struct Hypothesis {
-    Pose T_map_odom;  ///< by its newest answer alone
+    Pose T_map_odom;  ///< from its newest answer alone
     Matrix6d covariance;
     int agreeing = 0;
-    int applied_since = 0;  ///< answers that spoke against it in a row
+    int applied_since = 0;  ///< answers applied in a row since it was supported
     HypothesisSupport support;
   };
   [[nodiscard]] bool agrees(const Hypothesis& hypothesis,
@@ -74,8 +77,8 @@ class AlignmentHypotheses {
   [[nodiscard]] bool contradicts(const Hypothesis& hypothesis) const;
 
   Config config_;
-  HypothesisSupport held_;
-  std::vector<Hypothesis> hypotheses_;  ///< the one agreed with last is last
+  HypothesisSupport current_support_;
+  std::vector<Hypothesis> hypotheses_;  ///< the one supported last is last
 };
 
 }  // namespace fleetloc

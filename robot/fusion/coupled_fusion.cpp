@@ -8,12 +8,12 @@ namespace fleetloc {
 CoupledFusion::CoupledFusion(const ImuNoise& noise, const Config& config)
     : config_(config), frames_(noise, config), newest_(config.answers) {}
 
-// The filter's map pose hangs on the odometry's frame: it starts over.
+// The filter is tied to the old odom frame: the next answer initializes it again.
 void CoupledFusion::reset(SessionNumber session,
                           const std::optional<MapOdomEstimate>& /*carried*/) {
   frames_.reset(session);
   interrupted_ = false;
-  stops_.clear();
+  filter_states_.clear();
   newest_ = MapBodyFilter(config_.answers);
   map_prediction_.reset();
 }
@@ -23,9 +23,9 @@ PoseEstimate CoupledFusion::add_imu(const ImuSample& sample) {
     if (map_prediction_) {
       advance(*map_prediction_, *frames_.previous_imu(), sample, frames_.noise());
     }
-    reach_frames();
+    propagate_to_new_frames();
   }
-  if (frames_.prediction() && !stops_.empty()) {
+  if (frames_.prediction() && !filter_states_.empty()) {
     return estimate(*frames_.prediction(), map_prediction_, newest_);
   }
   PoseEstimate nothing;
@@ -37,59 +37,60 @@ PoseFusion::Verdict CoupledFusion::add_odometry(const OdometryEstimate& estimate
   if (const std::string_view reason = frames_.add_odometry(estimate); !reason.empty()) {
     return {.applied = false, .reason = reason};
   }
-  reach_frames();
-  while (frames_.has_stale() && stops_.size() > 1) {
+  propagate_to_new_frames();
+  while (frames_.has_stale() && filter_states_.size() > 1) {
     frames_.forget_oldest();
-    stops_.pop_front();
+    filter_states_.pop_front();
   }
   return {.applied = true, .reason = "applied"};
 }
 
-// Preintegrated about the odometry's biases, so that it does not depend on what arrived when.
-void CoupledFusion::reach_frames() {
-  const std::size_t before = stops_.size();
-  while (stops_.size() < frames_.size()) {
-    const std::size_t next = stops_.size();
+// Preintegrated about the odometry's biases, so that the result does not depend on the order of
+// arrival.
+void CoupledFusion::propagate_to_new_frames() {
+  const std::size_t before = filter_states_.size();
+  while (filter_states_.size() < frames_.size()) {
+    const std::size_t next = filter_states_.size();
     const OdometryEstimate& frame = frames_[next].odometry;
     if (!frames_.last_imu() || frame.stamp > frames_.last_imu()->stamp) {
       break;
     }
-    Stop stop{.from_previous = std::nullopt, .filter = MapBodyFilter(config_.answers)};
+    FilterState state{.from_previous = std::nullopt, .filter = MapBodyFilter(config_.answers)};
     if (next > 0) {
       const OdometryEstimate& previous = frames_[next - 1].odometry;
       const std::vector<ImuSample> samples = frames_.imu().between(previous.stamp, frame.stamp);
       if (samples.size() > 1) {
-        stop.from_previous.emplace(samples, previous.state.bias, frames_.noise());
+        state.from_previous.emplace(samples, previous.state.bias, frames_.noise());
       }
     }
-    stops_.push_back(std::move(stop));
+    filter_states_.push_back(std::move(state));
     if (next > 0) {
-      go_to(next, newest_);
+      propagate_to(next, newest_);
     }
     newest_ = after_answer(next);
   }
-  if (stops_.size() > before) {
-    map_prediction_ =
-        predict_in_map(newest_, frames_[stops_.size() - 1].odometry, frames_.last_imu()->stamp);
+  if (filter_states_.size() > before) {
+    map_prediction_ = predict_in_map(
+        newest_, frames_[filter_states_.size() - 1].odometry, frames_.last_imu()->stamp);
   }
 }
 
-void CoupledFusion::go_to(std::size_t frame, const MapBodyFilter& previous) {
-  Stop& stop = stops_[frame];
-  if (!stop.from_previous) {  // what the filter knew ends with the IMU
-    stop.filter = MapBodyFilter(config_.answers);
+void CoupledFusion::propagate_to(std::size_t frame, const MapBodyFilter& previous) {
+  FilterState& state = filter_states_[frame];
+  if (!state.from_previous) {  // IMU gap: the next answer initializes the filter again
+    state.filter = MapBodyFilter(config_.answers);
     return;
   }
-  stop.filter = previous;
-  stop.filter.propagate(*stop.from_previous, frames_[frame].drift);
-  stop.filter.correct(frames_[frame].odometry.state.T_odom_body);
+  state.filter = previous;
+  state.filter.propagate(*state.from_previous, frames_[frame].drift);
+  state.filter.correct(frames_[frame].odometry.state.T_odom_body);
 }
 
 PoseFusion::Verdict CoupledFusion::add_answer(const LocalizationResult& answer) {
   if (const std::string_view reason = frames_.why_unusable(answer); !reason.empty()) {
     return {.applied = false, .reason = reason};
   }
-  if (stops_.empty() || answer.stamp > frames_[stops_.size() - 1].odometry.stamp) {
+  if (filter_states_.empty() || answer.stamp > frames_[filter_states_.size() - 1].odometry.stamp) {
     return {.applied = false, .reason = "unknown_stamp"};
   }
   const auto taken = frames_.add_answer(answer);
@@ -104,24 +105,24 @@ PoseFusion::Verdict CoupledFusion::add_answer(const LocalizationResult& answer) 
 
 int CoupledFusion::replay_from(std::size_t frame) {
   int revised = 0;
-  for (std::size_t i = frame; i < stops_.size(); ++i) {
+  for (std::size_t i = frame; i < filter_states_.size(); ++i) {
     if (i > frame) {
-      go_to(i, newest_);
+      propagate_to(i, newest_);
     }
-    newest_ = stops_[i].filter;
+    newest_ = filter_states_[i].filter;
     if (auto& stored = frames_[i].answer) {
       const LocalizationOutcome outcome = newest_.apply(stored->measurement, frames_[i].odometry);
       const std::optional<LocalizationOutcome> before = std::exchange(stored->outcome, outcome);
       revised += before && is_applied(*before) != is_applied(outcome) ? 1 : 0;
     }
   }
-  map_prediction_ =
-      predict_in_map(newest_, frames_[stops_.size() - 1].odometry, frames_.last_imu()->stamp);
+  map_prediction_ = predict_in_map(
+      newest_, frames_[filter_states_.size() - 1].odometry, frames_.last_imu()->stamp);
   return revised;
 }
 
 MapBodyFilter CoupledFusion::after_answer(std::size_t frame) const {
-  MapBodyFilter filter = stops_[frame].filter;
+  MapBodyFilter filter = filter_states_[frame].filter;
   if (const auto& stored = frames_[frame].answer) {
     filter.apply(stored->measurement, frames_[frame].odometry);
   }
@@ -140,7 +141,7 @@ std::optional<ImuPrediction> CoupledFusion::predict_in_map(const MapBodyFilter& 
 
 std::optional<PoseEstimate> CoupledFusion::estimate_at(Timestamp stamp) const {
   const std::optional<std::size_t> index = frames_.index_at(stamp);
-  if (!index || *index >= stops_.size()) {
+  if (!index || *index >= filter_states_.size()) {
     return std::nullopt;
   }
   const OdometryEstimate& start = frames_[*index].odometry;
@@ -162,17 +163,17 @@ PoseEstimate CoupledFusion::estimate(const ImuPrediction& in_odom,
     result.T_map_body = in_map->state.T_odom_body;
     result.covariance_map = pose_covariance(*in_map);
   }
-  judge(result,
-        {.last_applied = filter.last_applied(),
-         .contradicted = filter.contradicted(),
-         .carried = interrupted_,
-         .newest_odometry = frames_.newest().odometry.stamp},
-        config_);
+  set_pose_quality(result,
+                   {.last_applied = filter.last_applied(),
+                    .contradicted = filter.contradicted(),
+                    .carried = interrupted_,
+                    .newest_odometry = frames_.newest().odometry.stamp},
+                   config_);
   return result;
 }
 
-std::optional<MapOdomEstimate> CoupledFusion::start_pose() const {
-  return newest_.start_pose();
+std::optional<MapOdomEstimate> CoupledFusion::session_start() const {
+  return newest_.session_start();
 }
 
 }  // namespace fleetloc

@@ -13,10 +13,9 @@
 
 namespace fleetloc {
 
-/// Paper mode: the map pose is that of one filter in map (MapBodyFilter) and an inertial prediction
-/// from its state at the newest frame. The filter stops at the frames of the odometry; its state at
-/// each is kept, so that a late answer is applied at its frame and only what came after is
-/// replayed.
+/// Paper mode: one filter in map (MapBodyFilter), updated at the frames of the odometry; the map
+/// pose is an inertial prediction from its newest state. The state at each frame is stored, so that
+/// a late answer is applied at its frame and only later measurements are replayed.
 ///
 /// An answer to a frame that the IMU has not reached is refused as "unknown_stamp". There is no map
 /// pose of frames before that of the first applied answer.
@@ -30,11 +29,11 @@ class CoupledFusion final : public PoseFusion {
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
-  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const override;
+  [[nodiscard]] std::optional<MapOdomEstimate> session_start() const override;
 
  private:
-  /// The filter at a frame before the frame's answer, and how it got there.
-  struct Stop {
+  /// The filter at a frame before the frame's answer, and the IMU data up to it.
+  struct FilterState {
     std::optional<Preintegration> from_previous;  ///< none: the IMU does not cover the interval
     MapBodyFilter filter;
   };
@@ -46,15 +45,15 @@ class CoupledFusion final : public PoseFusion {
   [[nodiscard]] std::optional<ImuPrediction> predict_in_map(const MapBodyFilter& filter,
                                                             const OdometryEstimate& from,
                                                             Timestamp to) const;
-  void reach_frames();
+  void propagate_to_new_frames();
   int replay_from(std::size_t frame);
-  void go_to(std::size_t frame, const MapBodyFilter& previous);
+  void propagate_to(std::size_t frame, const MapBodyFilter& previous);
 
   Config config_;
   DelayedFrames frames_;
   bool interrupted_ = false;
-  std::deque<Stop> stops_;                       ///< at the frames that the IMU has reached
-  MapBodyFilter newest_;                         ///< after the last stop's answer
+  std::deque<FilterState> filter_states_;        ///< at the frames that the IMU covers
+  MapBodyFilter newest_;                         ///< after the answer of the last of them
   std::optional<ImuPrediction> map_prediction_;  ///< from it, at the last IMU sample
 };
 

@@ -37,7 +37,7 @@ PoseFusion::Verdict DecoupledFusion::add_odometry(const OdometryEstimate& estima
   return {.applied = true, .reason = "applied"};
 }
 
-// What leaves the buffer has its final effect on the filter that replays start from.
+// Frames that leave the buffer are applied for good to the filter from which replays start.
 void DecoupledFusion::forget_old_frames() {
   while (frames_.has_stale()) {
     const DelayedFrames::Frame& frame = frames_.oldest();
@@ -93,12 +93,12 @@ PoseEstimate DecoupledFusion::estimate(const ImuPrediction& prediction) const {
     result.T_map_body = alignment->T_map_odom * result.T_odom_body;
     result.covariance_map = map_covariance(*alignment, prediction);
   }
-  judge(result,
-        {.last_applied = alignment_.last_applied(),
-         .contradicted = alignment_.contradicted(),
-         .carried = interrupted_ || alignment_.is_continued(),
-         .newest_odometry = frames_.newest().odometry.stamp},
-        config_);
+  set_pose_quality(result,
+                   {.last_applied = alignment_.last_applied(),
+                    .contradicted = alignment_.contradicted(),
+                    .carried = interrupted_ || alignment_.is_continued(),
+                    .newest_odometry = frames_.newest().odometry.stamp},
+                   config_);
   return result;
 }
 
@@ -109,8 +109,8 @@ Matrix6d DecoupledFusion::map_covariance(const MapOdomEstimate& alignment,
          pose_covariance_since_start(prediction);
 }
 
-std::optional<MapOdomEstimate> DecoupledFusion::start_pose() const {
-  return alignment_.start_pose();
+std::optional<MapOdomEstimate> DecoupledFusion::session_start() const {
+  return alignment_.session_start();
 }
 
 }  // namespace fleetloc

@@ -18,7 +18,7 @@ namespace fleetloc {
 /// Approximations: the covariance of T_map_body is that of T_map_odom at the newest frame, moved to
 /// the body, plus the noise of one frame, plus the inertial prediction since that frame; these
 /// three are taken as independent. Frames keep the odometry's causal estimate: a later revision of
-/// a keyframe is not taken over. T_map_odom is linearized about the estimate (EKF, not iterated).
+/// a keyframe is not used. T_map_odom is linearized about the estimate (EKF, not iterated).
 class DecoupledFusion final : public PoseFusion {
  public:
   DecoupledFusion(const ImuNoise& noise, const Config& config);
@@ -29,7 +29,7 @@ class DecoupledFusion final : public PoseFusion {
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
-  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const override;
+  [[nodiscard]] std::optional<MapOdomEstimate> session_start() const override;
 
  private:
   [[nodiscard]] PoseEstimate estimate(const ImuPrediction& prediction) const;

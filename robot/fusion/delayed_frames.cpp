@@ -130,7 +130,7 @@ std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(
   }
   Frame& frame = frames_[*index];
   if (frame.answer) {
-    // A total order, so that one of several answers to a frame wins whichever comes first.
+    // A total order: the choice among several answers to a frame is independent of their arrival.
     const LocalizationMeasurement& known = frame.answer->measurement;
     const auto rank = std::tie(answer.revision, answer.incarnation, answer.localizer);
     const auto known_rank = std::tie(frame.answer->revision, known.incarnation, known.localizer);
@@ -155,21 +155,23 @@ PoseEstimate odom_estimate(const ImuPrediction& prediction) {
   return result;
 }
 
-void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion::Config& config) {
+void set_pose_quality(PoseEstimate& estimate,
+                      const MapPoseStatus& status,
+                      const PoseFusion::Config& config) {
   estimate.quality = Quality::kLost;
-  if (!standing.last_applied) {
+  if (!status.last_applied) {
     return;
   }
-  estimate.since_last_answer = std::max(Duration{}, estimate.stamp - *standing.last_applied);
-  const double odometry_age_s = to_seconds(estimate.stamp - standing.newest_odometry);
+  estimate.since_last_answer = std::max(Duration{}, estimate.stamp - *status.last_applied);
+  const double odometry_age_s = to_seconds(estimate.stamp - status.newest_odometry);
   const Matrix6d& covariance = estimate.covariance_map;
-  if (standing.contradicted || odometry_age_s > config.odometry_timeout_s ||
+  if (status.contradicted || odometry_age_s > config.odometry_timeout_s ||
       max_sigma(covariance.topLeftCorner<3, 3>()) > config.lost_beyond_rad ||
       max_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
     return;
   }
   const bool fresh =
-      !standing.carried && to_seconds(estimate.since_last_answer) < config.localized_for_s;
+      !status.carried && to_seconds(estimate.since_last_answer) < config.localized_for_s;
   estimate.quality = fresh ? Quality::kLocalized : Quality::kDeadReckoning;
 }
 

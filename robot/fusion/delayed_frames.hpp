@@ -15,9 +15,9 @@
 
 namespace fleetloc {
 
-/// What a delayed-state filter keeps of the last seconds, to replay it: IMU samples, frames of the
-/// odometry and the answer to each. Says of each measurement whether it can be used. Its inertial
-/// prediction from the newest frame is the odom pose.
+/// The buffer of a delayed-state filter, for replay: IMU samples, frames of the odometry and their
+/// answers of the last seconds. Validates each measurement. Its inertial prediction from the newest
+/// frame is the odom pose.
 class DelayedFrames {
  public:
   struct StoredMeasurement {
@@ -33,19 +33,19 @@ class DelayedFrames {
 
   DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config);
 
-  /// The odometry starts anew.
+  /// After a reset of the odometry.
   void reset(SessionNumber session);
 
   /// False if the sample changes nothing.
   bool add_imu(const ImuSample& sample);
 
-  /// Why the estimate is refused; empty if it is the newest frame now. Nothing is forgotten by it.
+  /// Appends a frame. Returns why the estimate is rejected, else empty. Removes no frame.
   std::string_view add_odometry(const OdometryEstimate& estimate);
 
-  /// Why the answer cannot be used, whatever its stamp; empty if it can.
+  /// Why the answer is rejected independent of its stamp; empty if it is not.
   [[nodiscard]] std::string_view why_unusable(const LocalizationResult& answer) const;
 
-  /// The index of the answer's frame, where it is stored now, or why it is refused.
+  /// Stores the answer at its frame. Returns the index of the frame, or why it is rejected.
   std::variant<std::size_t, std::string_view> add_answer(const LocalizationResult& answer);
 
   /// The oldest frame is older than the buffer.
@@ -69,7 +69,7 @@ class DelayedFrames {
   [[nodiscard]] const std::optional<ImuSample>& last_imu() const { return last_imu_; }
   [[nodiscard]] const std::optional<ImuSample>& previous_imu() const { return previous_imu_; }
 
-  /// The newest frame is ahead of the IMU: the prediction is from the one before.
+  /// The newest frame is ahead of the IMU: the prediction starts at the one before.
   [[nodiscard]] bool newest_is_ahead() const { return newest_is_ahead_; }
   /// In odom at the last IMU sample.
   [[nodiscard]] const std::optional<ImuPrediction>& prediction() const { return prediction_; }
@@ -92,18 +92,20 @@ class DelayedFrames {
   OdometryDrift drift_;
 };
 
-/// What the map pose of an estimate rests on.
-struct MapStanding {
+/// What determines the quality of a map pose.
+struct MapPoseStatus {
   std::optional<Timestamp> last_applied;  ///< stamp of the last applied answer
   bool contradicted = false;
-  bool carried = false;  ///< across a failure of the odometry, and not confirmed since
+  bool carried = false;  ///< over a failure of the odometry, not confirmed since
   Timestamp newest_odometry;
 };
 
 /// The odom pose of a prediction, without a map pose.
 PoseEstimate odom_estimate(const ImuPrediction& prediction);
 
-/// Sets the quality and the age of the last answer; the covariance of the map pose must stand.
-void judge(PoseEstimate& estimate, const MapStanding& standing, const PoseFusion::Config& config);
+/// Sets the quality and the age of the last answer; needs the covariance of the map pose.
+void set_pose_quality(PoseEstimate& estimate,
+                      const MapPoseStatus& status,
+                      const PoseFusion::Config& config);
 
 }  // namespace fleetloc

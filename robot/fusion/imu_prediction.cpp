@@ -26,10 +26,10 @@ Matrix15d noise_of(const Preintegration& step, const NavState& from, const NavSt
   return Q;
 }
 
-// The variance of s * t is that of a constant velocity which nobody knows.
+// Constant pose; its variance is that of an unknown constant velocity, sigma^2 t^2.
 void hold(ImuPrediction& prediction, const ImuSample& to, const ImuGapModel& gaps) {
-  const double before = to_seconds(prediction.stamp - *prediction.held_since);
-  const double after = to_seconds(to.stamp - *prediction.held_since);
+  const double before = to_seconds(prediction.stamp - *prediction.gap_start);
+  const double after = to_seconds(to.stamp - *prediction.gap_start);
   const double grown = after * after - before * before;
   auto variance = prediction.noise.diagonal();
   variance.head<3>().array() += gaps.turn_rate_sigma * gaps.turn_rate_sigma * grown;
@@ -74,10 +74,10 @@ void advance(ImuPrediction& prediction,
              const ImuNoise& noise) {
   const ImuGapModel& gaps = noise.gaps;
   const double interval = to_seconds(to.stamp - from.stamp);
-  if (!prediction.held_since && gaps.void_from_s > 0.0 && interval > gaps.void_from_s) {
-    prediction.held_since = from.stamp;
+  if (!prediction.gap_start && gaps.void_from_s > 0.0 && interval > gaps.void_from_s) {
+    prediction.gap_start = from.stamp;
   }
-  if (prediction.held_since) {
+  if (prediction.gap_start) {
     return hold(prediction, to, gaps);
   }
   const std::array<ImuSample, 2> ends{from, to};

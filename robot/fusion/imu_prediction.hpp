@@ -9,8 +9,8 @@
 
 namespace fleetloc {
 
-/// Inertial navigation from one state of the odometry onwards. Errors are those of NavState's
-/// tangent; the error at `stamp` is transition * (error at the start) + noise.
+/// Inertial dead reckoning from a state of the odometry. Errors are in NavState's tangent; the
+/// error at `stamp` is transition * (error at the start) + noise.
 struct ImuPrediction {
   Timestamp stamp;
   NavState state;
@@ -18,12 +18,12 @@ struct ImuPrediction {
   Matrix15d transition = Matrix15d::Identity();  ///< of the error since the start
   Matrix15d noise = Matrix15d::Zero();           ///< covariance added by the IMU since the start
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< of body, in body [rad/s]
-  std::optional<Timestamp> held_since;  ///< the sample before a gap that nothing is known of
+  std::optional<Timestamp> gap_start;  ///< last sample before a gap that is not bridged
 };
 
 /// One step, from the sample at `prediction.stamp` to the next one. The interval's mean is applied
-/// (midpoint rule), as in Preintegration. From a gap on that voids the prediction (ImuGapModel) the
-/// pose is held, and its covariance grows by the bounds on the motion.
+/// (midpoint rule), as in Preintegration. After a gap longer than ImuGapModel::void_from_s the pose
+/// stays constant and its covariance grows by the assumed bounds on the motion.
 void advance(ImuPrediction& prediction,
              const ImuSample& from,
              const ImuSample& to,
@@ -37,13 +37,13 @@ ImuPrediction predict(const OdometryEstimate& start,
                       std::span<const ImuSample> samples,
                       const ImuNoise& noise);
 
-/// How the error of a state moves through a preintegrated interval, to first order.
+/// State transition matrix of the error over a preintegrated interval.
 Matrix15d transition_of(const Preintegration& step, const NavState& from, const NavState& to);
 
 /// Covariance (right perturbation) of the predicted T_odom_body.
 Matrix6d pose_covariance(const ImuPrediction& prediction);
 
-/// The part of it that arose since the start: as if the pose at the start were known.
+/// The same, with the pose at the start taken as known.
 Matrix6d pose_covariance_since_start(const ImuPrediction& prediction);
 
 }  // namespace fleetloc

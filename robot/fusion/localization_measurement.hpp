@@ -9,9 +9,9 @@
 
 namespace fleetloc {
 
-/// What is assumed about the errors of answers.
+/// Error model of the answers.
 struct LocalizationNoise {
-  double white_share = 0.0;        ///< of an answer's covariance that is new in each answer, 0..1
+  double white_share = 0.0;        ///< of an answer's covariance that is white noise, 0..1
   double clone_rotation = 0.0;     ///< sigma of one frame's T_odom_body, each axis [rad]
   double clone_translation = 0.0;  ///< [m]
 };
@@ -21,9 +21,9 @@ struct LocalizationNoise {
 ///
 ///   Log((T_map_odom * T_odom_body)^-1 * T_map_body) = J_alignment * d + J_error * u + white.
 ///
-/// Answers share most of their window and all of their map, so most of their error stays for many
-/// seconds. That part is J_error * u, where u has unit variance and a memory (first-order
-/// Gauss-Markov) and lives in map axes: a robot that turns takes no error of the map with it.
+/// Answers share most of their window and all of their map, so most of their error is correlated
+/// over many seconds. That part is J_error * u, where u is a first-order Gauss-Markov process of
+/// unit variance in map axes: an error of the map does not turn with the robot.
 struct LocalizationMeasurement {
   Timestamp stamp;
   std::string localizer;
@@ -32,23 +32,23 @@ struct LocalizationMeasurement {
   Pose T_map_body;
   Pose T_odom_body;
   Matrix6d covariance;  ///< of the whole error: the answer's and the clone's
-  Matrix6d white;       ///< the part of it without memory
+  Matrix6d white;       ///< its white part
   Matrix6d J_alignment;
   Matrix6d J_error;
   Matrix6d root_map;  ///< symmetric root of the answer's covariance, in map axes
 };
 
-/// Of one frame's T_odom_body.
+/// Covariance (right perturbation) of one frame's T_odom_body.
 Matrix6d clone_covariance(const LocalizationNoise& noise);
 
 LocalizationMeasurement measurement_from(const LocalizationResult& answer,
                                          const Pose& T_odom_body,
                                          const LocalizationNoise& noise);
 
-/// Covariance (right perturbation) of the T_map_odom that the measurement implies by itself.
+/// Covariance (right perturbation) of alignment_from(measurement).
 Matrix6d alignment_covariance(const LocalizationMeasurement& measurement);
 
-/// T_map_odom that the measurement implies by itself.
+/// T_map_odom from this measurement alone: T_map_body * T_odom_body^-1.
 Pose alignment_from(const LocalizationMeasurement& measurement);
 
 /// r^T S^-1 r; infinite unless S is positive definite.

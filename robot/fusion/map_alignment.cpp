@@ -11,8 +11,6 @@
 #include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
-namespace {}  // namespace
-
 std::string_view name(LocalizationOutcome outcome) {
   switch (outcome) {
     case LocalizationOutcome::kApplied:
@@ -47,12 +45,12 @@ std::optional<MapOdomEstimate> MapAlignment::pose() const {
   return MapOdomEstimate{T_map_odom_, P_.topLeftCorner<6, 6>()};
 }
 
-std::optional<MapOdomEstimate> MapAlignment::start_pose() const {
-  const std::optional<MapOdomEstimate> held = pose();
-  return held ? std::optional(hypotheses_.hedged(*held)) : std::nullopt;
+std::optional<MapOdomEstimate> MapAlignment::session_start() const {
+  const std::optional<MapOdomEstimate> estimate = pose();
+  return estimate ? std::optional(hypotheses_.inflated(*estimate)) : std::nullopt;
 }
 
-// Nothing but the answer and gravity is used: d = -Ad(T_odom_body) * (J_error * u + white).
+// Uses the answer and gravity only: d = -Ad(T_odom_body) * (J_error * u + white).
 bool MapAlignment::initialize(const LocalizationMeasurement& answer) {
   const Pose T_map_odom = alignment_from(answer);
   const Matrix6d covariance = alignment_covariance(answer);
@@ -93,7 +91,7 @@ MapAlignment MapAlignment::continued(const MapOdomEstimate& pose) const {
   return result;
 }
 
-// Both errors count in full: what they share makes them agree better than that.
+// Both errors as if independent, which is conservative: they are positively correlated.
 bool MapAlignment::agrees_with_continued(const LocalizationMeasurement& answer) const {
   const Vector6d residual = local_coordinates(T_map_odom_ * answer.T_odom_body, answer.T_map_body);
   const Matrix6d S =
@@ -102,11 +100,11 @@ bool MapAlignment::agrees_with_continued(const LocalizationMeasurement& answer) 
   return chi_square(residual, S) <= config_.gate_chi_square;
 }
 
-// Of u, from the answer it belongs to on to a later one. The windows of both overlap; so of two
-// answers of unlike covariance the better one holds what the other holds, and more: their errors
-// share the smaller covariance (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
-// product of their deviations. Along the common eigenvectors of both that is the smaller
-// eigenvalue. Taken as one error of two sizes, it would be found by comparing the answers.
+// Transition of u from the answer that it belongs to, to a later one. Their windows overlap, so the
+// answer with the smaller covariance contains the information of the other: the covariance of their
+// errors is the smaller one (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
+// product of their sigmas. Along common eigenvectors that is the smaller eigenvalue. As one error
+// scaled by two sigmas, it would be observable from the difference of the answers.
 Matrix6d MapAlignment::error_transition(const LocalizationMeasurement& answer) const {
   const double dt = to_seconds(answer.stamp - error_stamp_);
   assert(dt >= 0.0);

@@ -11,20 +11,20 @@
 
 namespace fleetloc {
 
-/// What became of an answer in the filter.
+/// Outcome of an answer in the filter.
 enum class LocalizationOutcome {
   kApplied,
-  kRestarted,        ///< applied; contradicted what was believed before and replaced it
-  kGated,            ///< contradicts what is believed (chi-square)
-  kImplausibleTilt,  ///< would start the filter with gravity too far from the map's -z
-  kWrongMap,  ///< refers to another map than the first applied answer: says nothing of this one
+  kRestarted,        ///< applied; its hypothesis replaced a contradicting estimate
+  kGated,            ///< rejected by the chi-square gate
+  kImplausibleTilt,  ///< would initialize the filter with gravity too far from the map's -z
+  kWrongMap,         ///< refers to another map than the first applied answer
 };
 
 constexpr bool is_applied(LocalizationOutcome outcome) {
   return outcome == LocalizationOutcome::kApplied || outcome == LocalizationOutcome::kRestarted;
 }
 
-/// As it stands in files, e.g. "implausible_tilt".
+/// Name in files, e.g. "implausible_tilt".
 std::string_view name(LocalizationOutcome outcome);
 
 /// Kalman filter over T_map_odom and the slowly varying error of the answers. State:
@@ -34,8 +34,8 @@ std::string_view name(LocalizationOutcome outcome);
 class MapAlignment {
  public:
   struct Config {
-    /// Of u: it fades with time, but no faster than new surroundings come into view, so that a
-    /// robot at rest does not take the same error for many.
+    /// Of u: it decays with time or with distance, whichever is slower, so that the answers to a
+    /// robot at rest do not count as independent.
     double correlation_time_s = 0.0;
     double correlation_distance_m = 0.0;
     double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
@@ -53,16 +53,16 @@ class MapAlignment {
 
   /// T_map_odom with covariance, from the first applied answer on.
   [[nodiscard]] std::optional<MapOdomEstimate> pose() const;
-  /// The same, with a covariance that reaches to what contradicting answers say.
-  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const;
+  /// The same, with a covariance inflated to cover contradicting hypotheses.
+  [[nodiscard]] std::optional<MapOdomEstimate> session_start() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
-  /// The same after a reset of the odometry: `pose` stands for what is known of it until an answer
-  /// comes that agrees, and takes its place. Nothing before the first applied answer.
+  /// The filter after a reset of the odometry: `pose` is its T_map_odom until the first answer that
+  /// agrees with it initializes it again. Empty if no answer was applied before.
   [[nodiscard]] MapAlignment continued(const MapOdomEstimate& pose) const;
   /// No answer has been applied since.
   [[nodiscard]] bool is_continued() const { return continued_; }
 
-  /// Rejected answers agree with each other on something else.
+  /// Rejected answers agree with each other on another T_map_odom.
   [[nodiscard]] bool contradicted() const { return hypotheses_.contradict(); }
 
  private:

@@ -11,11 +11,11 @@ namespace fleetloc {
 MapBodyFilter::MapBodyFilter(const MapAlignment::Config& config)
     : config_(config), hypotheses_(config.hypotheses) {}
 
-std::optional<MapOdomEstimate> MapBodyFilter::start_pose() const {
+std::optional<MapOdomEstimate> MapBodyFilter::session_start() const {
   if (!last_applied_) {
     return std::nullopt;
   }
-  return hypotheses_.hedged({T_map_odom_, P_.bottomRightCorner<6, 6>()});
+  return hypotheses_.inflated({T_map_odom_, P_.bottomRightCorner<6, 6>()});
 }
 
 // With the errors a of the answer, n of the odometry's pose, v of its velocity and b of the biases:

@@ -11,16 +11,17 @@ namespace fleetloc {
 
 /// The paper's filter: error-state EKF in map, after Lynen et al. (2013). State: T_map_body,
 /// velocity and biases (NavState's tangent, 15), and T_map_odom (right perturbation, 6), which
-/// takes up the drift of the odometry. The odometry measures T_map_odom^-1 * T_map_body, an answer
-/// T_map_body; all errors count as white, and gravity as the map's -z. Errors that last, as those
-/// of answers do that share a window, therefore make it overconfident.
+/// absorbs the drift of the odometry. The odometry measures T_map_odom^-1 * T_map_body, an answer
+/// T_map_body; all errors are taken as white, and gravity as the map's -z. Errors that are
+/// correlated in time, as those of answers with overlapping windows, therefore make it
+/// overconfident.
 ///
 /// Feed steps and measurements in order of their stamps. A value: copy it to replay.
 class MapBodyFilter {
  public:
   explicit MapBodyFilter(const MapAlignment::Config& config);
 
-  /// Inertial prediction from one frame to the next, and what T_map_odom drifts meanwhile.
+  /// Inertial prediction from one frame to the next, and drift of T_map_odom over it.
   void propagate(const Preintegration& step, const DriftStep& drift);
 
   /// The odometry's pose at the frame.
@@ -30,10 +31,10 @@ class MapBodyFilter {
   LocalizationOutcome apply(const LocalizationMeasurement& answer,
                             const OdometryEstimate& odometry);
 
-  /// In map where its names say odom; from the first applied answer on.
+  /// In map where its members say odom; valid from the first applied answer on.
   [[nodiscard]] const NavState& state() const { return state_; }
   [[nodiscard]] Matrix15d covariance() const { return P_.topLeftCorner<15, 15>(); }
-  [[nodiscard]] std::optional<MapOdomEstimate> start_pose() const;
+  [[nodiscard]] std::optional<MapOdomEstimate> session_start() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
   [[nodiscard]] bool contradicted() const { return hypotheses_.contradict(); }
 

@@ -15,7 +15,7 @@ struct MapTilt {
 
 MapTilt tilt_of(const Eigen::Quaterniond& R_map_odom);
 
-/// How implausible the tilt is, 2 degrees of freedom.
+/// Chi-square of the tilt, 2 degrees of freedom.
 /// @param covariance  of T_map_odom, right perturbation
 /// @param map_tilt    sigma of the map's z axis against gravity [rad]
 double chi_square(const MapTilt& tilt, const Matrix6d& covariance, double map_tilt);

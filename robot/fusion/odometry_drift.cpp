@@ -9,9 +9,10 @@
 
 namespace fleetloc {
 
-VarianceMovement::Step VarianceMovement::to(double variance) {
+VarianceChange::Step VarianceChange::update(double variance) {
   const double level = level_.value_or(variance);
-  const bool turns = rises_ ? variance < (1.0 - kTurn) * level : variance * (1.0 - kTurn) > level;
+  const bool turns =
+      rises_ ? variance < (1.0 - kHysteresis) * level : variance * (1.0 - kHysteresis) > level;
   if (turns) rises_ = !rises_;
   if (level_ && rises_ != (variance > level)) return {};
   level_ = variance;
@@ -20,9 +21,9 @@ VarianceMovement::Step VarianceMovement::to(double variance) {
 
 OdometryDrift::OdometryDrift(const Config& config) : config_(config) {}
 
-// At the body, in odom axes. An error of the rotation that is new turns about the body. One that is
-// revised takes with it what it had done to the position.
-Matrix6d OdometryDrift::claimed(const OdometryEstimate& estimate) {
+// Covariance at the body, in odom axes. A new rotation error rotates about the body. A corrected
+// one also corrects the position error that it had caused.
+Matrix6d OdometryDrift::reported_drift(const OdometryEstimate& estimate) {
   const Matrix6d to_odom = adjoint({estimate.state.T_odom_body.R, Eigen::Vector3d::Zero()});
   const Matrix6d covariance =
       to_odom * estimate.covariance.topLeftCorner<6, 6>() * to_odom.transpose();
@@ -38,7 +39,7 @@ Matrix6d OdometryDrift::claimed(const OdometryEstimate& estimate) {
   with_rotation.bottomLeftCorner<3, 3>() = by_rotation;
   Matrix6d result = Matrix6d::Zero();
   for (int i = 0; i < 6; ++i) {
-    const auto [up, down] = movements_[static_cast<std::size_t>(i)].to(variances(i));
+    const auto [up, down] = variance_changes_[static_cast<std::size_t>(i)].update(variances(i));
     result(i, i) += up;
     result += down * with_rotation.col(i) * with_rotation.col(i).transpose();
   }
@@ -47,7 +48,7 @@ Matrix6d OdometryDrift::claimed(const OdometryEstimate& estimate) {
 
 DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
   const Pose& T_odom_body = estimate.state.T_odom_body;
-  Matrix6d Q = config_.covariance_share * claimed(estimate);
+  Matrix6d Q = config_.covariance_share * reported_drift(estimate);
   DriftStep result;
   if (last_T_odom_body_) {
     result.metres = (T_odom_body.p - last_T_odom_body_->p).norm();
@@ -58,7 +59,7 @@ DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
         square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians,
         Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
     Q.diagonal() += walk;
-    // So far at the body. T_map_odom turns about it, not about the origin.
+    // Q is at the body: moved to the origin of odom.
     const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), T_odom_body.p});
     result.covariance = A * Q * A.transpose();
   }

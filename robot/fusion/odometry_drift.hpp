@@ -8,37 +8,37 @@
 
 namespace fleetloc {
 
-/// What happens to T_map_odom from one estimate of the odometry to the next.
+/// Process noise of T_map_odom from one estimate of the odometry to the next.
 struct DriftStep {
-  Matrix6d covariance = Matrix6d::Zero();  ///< that it accrues, right perturbation
-  double metres = 0.0;                     ///< travelled
+  Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_odom
+  double metres = 0.0;                     ///< distance travelled [m]
 };
 
-/// How far a variance has moved, up and down alike. What returns before it has changed by
-/// `kTurn` of itself is fluctuation and does not count.
-class VarianceMovement {
+/// Increase and decrease of a variance, with hysteresis: a reversal by less than the share
+/// kHysteresis is ignored as fluctuation.
+class VarianceChange {
  public:
-  static constexpr double kTurn = 0.3;
+  static constexpr double kHysteresis = 0.3;
 
   struct Step {
     double up = 0.0;
     double down = 0.0;
   };
-  /// Since the last call; nothing for the first.
-  Step to(double variance);
+  /// Change since the last call; zero for the first.
+  Step update(double variance);
 
  private:
   std::optional<double> level_;
   bool rises_ = true;
 };
 
-/// How far T_map_odom moves as the odometry goes on: a random walk whose steps grow with the
-/// distance and the rotation travelled, and with the covariance that the odometry states of itself.
+/// Drift model of T_map_odom: a random walk whose variance grows with the distance and rotation
+/// travelled, and with changes of the odometry's own covariance.
 ///
-/// That covariance counts where it grows, because the odometry loses its way, and where it shrinks,
-/// because the odometry then revises what it said before, as much as it has become surer of: along
-/// a straight way a bias of the accelerometer is a tilt, and the first bend tells them apart. What
-/// an old error of the rotation does to the position as the robot drives on is no movement.
+/// An increase of that covariance is new drift. A decrease means that the odometry has corrected an
+/// earlier error, so that its poses move by as much: on a straight path a bias of the accelerometer
+/// looks like a tilt, and the first turn separates them. The position error that an old rotation
+/// error causes while the robot drives on is not drift.
 class OdometryDrift {
  public:
   struct Config {
@@ -46,19 +46,20 @@ class OdometryDrift {
     double yaw = 0.0;               ///< [rad / sqrt(m travelled)]
     double yaw_by_rotation = 0.0;   ///< [rad / sqrt(rad turned)]
     double tilt = 0.0;              ///< roll and pitch each [rad / sqrt(m travelled)]
-    double covariance_share = 0.0;  ///< of the movement of the odometry's own covariance
+    double covariance_share = 0.0;  ///< of the changes of the odometry's own covariance
   };
   explicit OdometryDrift(const Config& config);
 
-  /// From the last estimate given here to this one; zero for the first.
+  /// From the estimate of the last call to this one; zero for the first.
   DriftStep step(const OdometryEstimate& estimate);
 
  private:
-  Matrix6d claimed(const OdometryEstimate& estimate);
+  Matrix6d reported_drift(const OdometryEstimate& estimate);
 
   Config config_;
   std::optional<Pose> last_T_odom_body_;
-  std::array<VarianceMovement, 6> movements_;  // rotation; position apart from it; odom axes
+  // Of the rotation, then of the position given the rotation, in odom axes.
+  std::array<VarianceChange, 6> variance_changes_;
 };
 
 OdometryDrift::Config read_odometry_drift_config(ConfigReader section);

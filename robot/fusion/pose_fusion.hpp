@@ -16,10 +16,10 @@
 namespace fleetloc {
 
 /// The robot's pose in odom and map at IMU rate, from IMU, odometry and late, lossy answers of the
-/// cloud. A delayed-state filter (Lynen et al. 2013): what is measured counts at its own stamp, and
-/// what came after is replayed in order, with all decisions, so that the order of arrival does not
+/// cloud. A delayed-state filter (Lynen et al. 2013): each measurement is applied at its own stamp
+/// and later ones are replayed in order, gates included, so that the order of arrival does not
 /// matter. The odom pose is an inertial prediction from the odometry's last state; answers never
-/// touch it, so it is as smooth as the odometry.
+/// change it, so it is as smooth as the odometry.
 ///
 /// What the quality of an estimate means for a robot that moves:
 /// - kInitializing: there is no pose. Stand still.
@@ -27,8 +27,8 @@ namespace fleetloc {
 /// - kDeadReckoning: the map pose is as good as its covariance says, which grows with the distance.
 ///   Drive on while the covariance fits the space around; slow down, and stop where it does not.
 /// - kLost: the map pose must not be used: no answer yet, or several answers contradict it, or its
-///   covariance has grown beyond the configured limit, or the odometry has fallen silent. Stop, or
-///   go on by what sensors see at once. The odom pose stays usable but in the last case.
+///   covariance has grown beyond the configured limit, or the odometry has stopped. Stop, or drive
+///   by direct perception only. The odom pose stays usable except in the last case.
 ///
 /// Everything runs in the caller's thread.
 class PoseFusion {
@@ -48,18 +48,17 @@ class PoseFusion {
     MapAlignment::Config answers;
   };
 
-  /// What became of a measurement. Of odometry: "applied", "not_finite", "older_than_applied",
-  /// "before_imu". Of an answer: the names of LocalizationOutcome, and
+  /// Outcome of a measurement. Odometry: "applied", "not_finite", "older_than_applied",
+  /// "before_imu". Answers: the names of LocalizationOutcome, and
   /// - "not_localized": it has no pose;
   /// - "not_finite", "bad_covariance": it cannot be used;
-  /// - "wrong_session": it belongs to another start of the odometry;
+  /// - "wrong_session": it belongs to another session of the odometry;
   /// - "too_old": older than the buffer; "unknown_stamp": no frame of the odometry has that stamp;
-  /// - "duplicate": this one, or as good a one, has been taken; "older_than_applied": a newer
-  ///   revision has.
+  /// - "duplicate": its revision is stored already; "older_than_applied": a newer one is.
   struct Verdict {
     bool applied = false;
     std::string_view reason;
-    int revised = 0;  ///< verdicts on later answers that the replay has turned
+    int revised = 0;  ///< later answers whose `applied` the replay has changed
   };
 
   PoseFusion() = default;
@@ -74,26 +73,26 @@ class PoseFusion {
   /// replayed on top.
   virtual Verdict add_odometry(const OdometryEstimate& estimate) = 0;
 
-  /// Answers in any order, repeated or not at all.
+  /// Answers may be late, lost, repeated and out of order.
   virtual Verdict add_answer(const LocalizationResult& answer) = 0;
 
-  /// The pose at a frame's stamp, by what is known now. Nothing unless odometry and IMU samples of
-  /// the buffer cover the stamp: so add the sample after a frame first.
+  /// The current estimate of the pose at a frame's stamp. Nothing unless odometry and buffered IMU
+  /// samples cover the stamp: add the first sample after the frame before.
   [[nodiscard]] virtual std::optional<PoseEstimate> estimate_at(Timestamp stamp) const = 0;
 
-  /// The odometry has failed: until it starts anew poses are dead-reckoned from its last state, and
-  /// never count as localized.
+  /// The odometry has failed: until reset() poses are dead-reckoned from its last state, and never
+  /// kLocalized.
   virtual void interrupt() = 0;
 
-  /// The odometry starts anew: its poses are forgotten, and only answers of this session count from
-  /// now on. Before the first call all do. Without `carried`, or if there never was an answer, so
-  /// are T_map_odom and the map that it refers to. Otherwise T_map_odom becomes `carried` until the
-  /// first answer that agrees with it.
+  /// A new session of the odometry: drops its earlier poses; only answers to this session are used
+  /// from now on (before the first call, all). Without `carried`, or if no answer was ever applied,
+  /// T_map_odom and its map are dropped, too. Otherwise T_map_odom is `carried` until the first
+  /// answer that agrees with it.
   virtual void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) = 0;
 
-  /// T_map_odom as it is now, to start a session of the cloud with; from the first applied answer
-  /// on, also while lost. Where answers contradict it, its covariance reaches to what they say.
-  [[nodiscard]] virtual std::optional<MapOdomEstimate> start_pose() const = 0;
+  /// The current T_map_odom, with which a session of the cloud can start; from the first applied
+  /// answer on, also while lost. Its covariance covers answers that contradict it.
+  [[nodiscard]] virtual std::optional<MapOdomEstimate> session_start() const = 0;
 };
 
 std::unique_ptr<PoseFusion> make_pose_fusion(const ImuNoise& noise,

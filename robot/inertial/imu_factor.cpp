@@ -43,7 +43,7 @@ Vector15d error_of(const Preintegration& preintegration,
   return error;
 }
 
-// By the first state; `rotation_error` is that of error_of at the same states.
+// With respect to the first state; `rotation_error` is that of error_of at the same states.
 Matrix15d jacobian_by_first(const Preintegration& preintegration,
                             const NavState& first,
                             const NavState& second,
@@ -96,7 +96,7 @@ NavState linearization_point(const double* pose,
       chosen(speed_bias, first.speed_bias != nullptr ? first.speed_bias->data() : nullptr));
 }
 
-// Jacobians by one state's two parameter blocks, as far as Ceres asks for them.
+// Jacobians with respect to one state's two parameter blocks, where Ceres requests them.
 void write(const Matrix15d& J, double* J_pose, double* J_speed_bias) {
   if (J_pose != nullptr) {
     RowMajorMap<15, 7> out(J_pose);

@@ -9,7 +9,8 @@
 
 namespace fleetloc {
 
-/// Velocity and biases as Ceres sees them: [v_odom, gyroscope, accelerometer].
+/// Velocity and biases as a Ceres parameter block: [v_odom m/s, gyroscope rad/s, accelerometer
+/// m/s^2].
 using SpeedBiasParameters = std::array<double, 9>;
 
 SpeedBiasParameters to_speed_bias(const NavState& state);
@@ -42,7 +43,8 @@ class ImuFactor final : public ceres::SizedCostFunction<15, 7, 9, 7, 9> {
   Matrix15d whitening_;  ///< W with W^T W = covariance^-1; lower triangular
 };
 
-/// The unwhitened error of two states and its Jacobians by the tangent of NavState (15 each).
+/// The unwhitened error of two states (Forster et al., 2017, eq. 45, and the bias random walk) and
+/// its Jacobians with respect to the tangent of NavState (15 each).
 struct ImuError {
   Vector15d error;
   Matrix15d J_first;
@@ -52,8 +54,8 @@ ImuError imu_error(const Preintegration& preintegration,
                    const NavState& first,
                    const NavState& second);
 
-/// Covariance of that error: the preintegration's, the random walk of the biases, and what both
-/// have in common, since the deltas are corrected for the bias of the first state only.
+/// Covariance of that error: the preintegration's, the random walk of the biases, and their
+/// correlation, since the deltas are corrected for the bias of the first state only.
 Matrix15d imu_error_covariance(const Preintegration& preintegration);
 
 }  // namespace fleetloc

@@ -7,9 +7,8 @@
 
 namespace fleetloc {
 
-/// Consecutive states joined by preintegrated measurements, and what is known of the velocity and
-/// the biases of the oldest one. The part of a sliding window that a submap's virtual odometry is
-/// made of.
+/// Consecutive states with the preintegrated measurements between them, and a prior on velocity and
+/// biases of the oldest one: the input of a submap's virtual odometry.
 struct InertialWindow {
   /// Oldest first, n. The oldest is at the mean of its marginal in the odometry, the others are
   /// where the measurements are linearized.

@@ -18,26 +18,26 @@ using Matrix96d = Eigen::Matrix<double, 9, 6>;
 /// bias Jacobians. Order of the nine: [rotation rad, position m, velocity m/s].
 class Preintegration {
  public:
-  /// Integrates `samples` (increasing stamps, at least two) from the first stamp to the last one
-  /// at the given bias. Between samples the mean of both ends is applied (midpoint rule); where
-  /// they are as far apart as in a gap, that mean is uncertain.
+  /// Integrates `samples` (increasing stamps, at least two) from the first stamp to the last one at
+  /// the given bias. Between samples the mean of both ends is applied (midpoint rule); across a gap
+  /// (ImuGapModel) that mean has extra noise.
   Preintegration(std::span<const ImuSample> samples, ImuBias bias, const ImuNoise& noise);
 
   [[nodiscard]] Duration duration() const;
   [[nodiscard]] const ImuBias& bias() const;  ///< linearization point
   [[nodiscard]] const ImuNoise& noise() const;
 
-  /// Of the error of the deltas [rotation (right perturbation), position, velocity], given the bias
-  /// at the start: white noise, and the walk of the bias from there on.
+  /// Covariance of the error of the deltas [rotation (right perturbation), position, velocity],
+  /// given the bias at the start: white noise, and the bias random walk from there on.
   [[nodiscard]] const Matrix9d& covariance() const;
 
-  /// Of that error with the walk of [gyroscope bias, accelerometer bias] from start to end.
+  /// Cross-covariance of that error and the walk of [gyroscope bias, accelerometer bias].
   [[nodiscard]] const Matrix96d& bias_walk_covariance() const;
 
-  [[nodiscard]] const Matrix96d& bias_jacobian()
-      const;  ///< d deltas / d [gyroscope, accelerometer]
+  /// d deltas / d [gyroscope bias, accelerometer bias]
+  [[nodiscard]] const Matrix96d& bias_jacobian() const;
 
-  /// Deltas corrected to first order for another bias.
+  /// Deltas corrected to first order for another bias (Forster et al., eq. 44).
   struct Deltas {
     Eigen::Quaterniond R;
     Eigen::Vector3d p;
@@ -45,10 +45,10 @@ class Preintegration {
   };
   [[nodiscard]] Deltas deltas(const ImuBias& bias) const;
 
-  /// The state at the end, from the state at the start (whose bias is used and kept).
+  /// The state at the end, from the state at the start (whose bias is used and copied).
   [[nodiscard]] NavState predict(const NavState& start) const;
 
-  /// Same samples at another linearization point, exactly.
+  /// Integrates the same samples again, at another bias.
   [[nodiscard]] Preintegration relinearized(const ImuBias& bias) const;
 
  private:

@@ -5,8 +5,9 @@
 
 namespace fleetloc {
 
-/// Solves with a symmetric positive definite matrix whose entries differ by many orders of
-/// magnitude (radians beside metres per second squared): it is scaled to a unit diagonal first.
+/// Cholesky factorization of a symmetric positive definite matrix whose entries differ by many
+/// orders of magnitude (radians beside metres per second squared): it is scaled to a unit diagonal
+/// first.
 class ScaledCholesky {
  public:
   explicit ScaledCholesky(const Eigen::MatrixXd& matrix) {
@@ -18,7 +19,7 @@ class ScaledCholesky {
     regular_ = pivot > kMinPivot;
   }
 
-  /// Otherwise nothing else may be asked.
+  /// Positive definite; otherwise no other function may be called.
   [[nodiscard]] bool regular() const { return regular_; }
 
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const {

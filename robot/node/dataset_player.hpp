@@ -10,7 +10,7 @@
 
 namespace fleetloc {
 
-/// Plays a recording from a thread of its own, at the recording's pace times `rate`.
+/// Reads a recording on a thread of its own, at `rate` times real time.
 class DatasetPlayer {
  public:
   struct Played {
@@ -18,14 +18,14 @@ class DatasetPlayer {
     Duration decoding_cpu{};  ///< of an image pair
   };
 
-  /// @param rate  0: as fast as the consumer takes
+  /// @param rate  0: as fast as the consumer reads
   DatasetPlayer(DatasetReader input, double rate);
 
-  /// The next item; nothing at the end of the recording or when a stop is requested. Rethrows what
-  /// ended the reading.
+  /// The next item; nothing at the end of the recording or when a stop is requested. Rethrows the
+  /// reader's exception.
   std::optional<Played> next(const std::stop_token& stop);
 
-  /// Ends the playing; next() gives nothing any more.
+  /// Stops the thread; next() returns nothing from then on.
   void stop();
 
   /// After stop().

@@ -98,14 +98,14 @@ void RobotNode::Parts::take(DatasetPlayer::Played played) {
   for (const std::string& event : channel.take_events()) spdlog::info("{}: {}", id, event);
   for (const std::string& event : client.take_events()) spdlog::info("{}: {}", id, event);
   recorder.add_imu_rate_pose(*pose);
-  recorder.take(pipeline, client.traffic());
+  recorder.record(pipeline, client.traffic());
   if (pose->quality != Quality::kInitializing) publish(*pose);
 }
 
 void RobotNode::Parts::publish(const PoseEstimate& pose) {
   try {
     publisher.publish(encode(RobotPoseEstimate{id, pose}));
-  } catch (const NotEncodable&) {  // beyond what the type holds: nobody should use it
+  } catch (const NotEncodable&) {  // out of range of the wire type
     ++unpublished;
   }
 }
@@ -121,7 +121,7 @@ void RobotNode::Parts::play(const std::stop_token& stop) {
 // What has been recorded is kept, whatever ended the run.
 void RobotNode::Parts::finish(double wall_s, bool interrupted) {
   player.stop();
-  recorder.take(pipeline, client.traffic());
+  recorder.record(pipeline, client.traffic());
   auto faults = player.input().faults();
   if (unpublished > 0) faults["unpublished_poses"] = unpublished;
   recorder.finish(

@@ -15,12 +15,12 @@ namespace fleetloc {
 /// Processor time that the calling thread has used; only for reports. Null: nothing is measured.
 using CpuClock = std::function<Duration()>;
 
-/// What the back end is to work on: the first keyframes of a session, or one more.
+/// Input of the back end: the first keyframes of a session, or one more.
 using KeyframeJob = std::variant<Initialization, KeyframeInput>;
 
 struct KeyframeResult {
   std::shared_ptr<const WindowEstimate> window;
-  Submap submap;   ///< without what identifies robot, session and sample
+  Submap submap;   ///< robot, session and number are not set
   Duration cpu{};  ///< what the job took
 };
 
@@ -57,10 +57,10 @@ class BackEnd {
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
 
-  /// Not while the result of an earlier job has not been taken.
+  /// Starts a job. The result of the job before must have been taken.
   virtual void start(KeyframeJob job, Timestamp now) = 0;
 
-  /// The result, once.
+  /// The result of a finished job; each is returned once.
   virtual std::optional<KeyframeResult> take(Timestamp now) = 0;
 };
 

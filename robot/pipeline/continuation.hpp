@@ -6,15 +6,15 @@
 
 namespace fleetloc {
 
-/// Moves a new start of the odometry, in yaw and position, to where dead reckoning saw the robot at
-/// the stamp of the oldest keyframe: odom goes on, as uncertain as that pose was.
+/// Transforms a new initialization in yaw and position so that its oldest keyframe is at the
+/// dead-reckoned pose: odom stays continuous, with that pose's uncertainty as drift.
 void continue_from(const PoseEstimate& dead_reckoned, Initialization& initialization);
 
-/// T_map_odom after continue_from, by a dead-reckoned pose that has a map pose; T_odom_body is the
-/// new odometry's of the same stamp.
+/// T_map_odom after continue_from, from a dead-reckoned estimate with a map pose; T_odom_body is
+/// the new odometry's at the same stamp.
 MapOdomEstimate continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body);
 
-/// The same for an odometry that never had a map pose: its start pose, grown by the drift since.
+/// The same without a map pose: the session's start, with the drift since added to its covariance.
 MapOdomEstimate continued_start(const MapOdomEstimate& start, const PoseEstimate& dead_reckoned);
 
 }  // namespace fleetloc

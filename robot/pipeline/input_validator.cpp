@@ -26,7 +26,7 @@ std::vector<ImuSample> InputValidator::admit(const ImuSample& sample) {
   return {sample};
 }
 
-std::string_view InputValidator::judge_frame(Timestamp stamp) {
+std::string_view InputValidator::check_frame(Timestamp stamp) {
   std::string_view reason;
   if (last_frame_ && stamp <= *last_frame_) reason = "frame_not_newer";
   if (!last_imu_ || stamp - *last_imu_ > max_step_) reason = "frame_ahead_of_imu";

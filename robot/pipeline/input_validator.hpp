@@ -11,21 +11,21 @@
 
 namespace fleetloc {
 
-/// Refuses measurements whose stamps or values cannot be, and counts them by reason. What it lets
-/// through has increasing stamps, for each kind of measurement.
+/// Rejects measurements with invalid stamps or values, and counts them by reason. Accepted stamps
+/// increase, for each kind of measurement.
 class InputValidator {
  public:
   /// @param max_step  a stamp further ahead than this must be confirmed
   explicit InputValidator(Duration max_step) : max_step_(max_step) {}
 
-  /// What may be used now, oldest first: as a rule this sample. One whose stamp is far ahead waits
-  /// for its successor: it comes after a gap, or its stamp is wrong and would lock all others out.
+  /// The samples accepted now, oldest first: usually this one. One whose stamp is far ahead waits
+  /// for its successor to confirm it: after a wrong stamp all later samples would be rejected.
   std::vector<ImuSample> admit(const ImuSample& sample);
 
-  /// Why a frame is refused; empty if it is not.
-  std::string_view judge_frame(Timestamp stamp);
+  /// Why a frame is rejected; empty if it is accepted.
+  std::string_view check_frame(Timestamp stamp);
 
-  /// By reason, e.g. "imu_not_newer"; those that never occurred as well.
+  /// By reason, e.g. "imu_not_newer"; reasons that never occurred included.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
 
  private:

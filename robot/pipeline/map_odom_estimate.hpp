@@ -5,13 +5,13 @@
 
 namespace fleetloc {
 
-/// How well a start pose that a person gives is known, along the axes of the map.
+/// Uncertainty of a start pose given by the user, along the axes of the map.
 struct StartUncertainty {
   double position_sigma_m;
   double yaw_sigma_rad;
   double tilt_sigma_rad;  ///< of roll and pitch
-  /// After a reset a less certain start is withheld from the localizer, which would settle in a
-  /// wrong place near by and be sure of it.
+  /// After a reset a start with a larger sigma is not sent to the localizer, which could converge
+  /// to a wrong pose nearby with high confidence.
   double max_carried_sigma_m;
 };
 

@@ -5,7 +5,7 @@
 namespace fleetloc {
 namespace {
 
-// In body axes: there the drift of odom's yaw does not count.
+// In body axes, where the drift of odom's yaw has no part.
 Eigen::Matrix3d velocity_covariance(const OdometryEstimate& estimate) {
   const Eigen::Matrix3d R_body_odom = estimate.state.T_odom_body.R.conjugate().toRotationMatrix();
   Eigen::Matrix<double, 3, 9> J;

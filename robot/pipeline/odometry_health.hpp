@@ -9,20 +9,19 @@
 
 namespace fleetloc {
 
-/// Why the odometry had to start anew.
+/// Why the odometry was reset.
 enum class ResetCause {
   kImuGap,           ///< longer than preintegration can bridge
-  kDiverged,         ///< an optimization failed, or a speed is beyond all reason
-  kImplausibleBias,  ///< of the IMU: it explains what it should not
+  kDiverged,         ///< an optimization failed, or the speed is above its limit
+  kImplausibleBias,  ///< of the IMU: above its limit
   kVisionLost,       ///< no image has agreed with the inertial prediction for too long
-  kUncertain,        ///< the velocity is hardly known any more
+  kUncertain,        ///< the sigma of the velocity is above its limit
 };
 
-/// As it stands in files, e.g. "implausible_bias".
+/// Name in files, e.g. "implausible_bias".
 std::string_view name(ResetCause cause);
 
-/// Tells what inertial prediction carries the odometry over (some bad images) from what it does
-/// not.
+/// Decides whether inertial prediction bridges a fault (some bad images) or the odometry is reset.
 class OdometryHealth {
  public:
   struct Config {
@@ -34,13 +33,13 @@ class OdometryHealth {
   };
   explicit OdometryHealth(const Config& config) : config_(config) {}
 
-  /// Of the latest optimization; the first one of a session begins it.
+  /// Checks the latest optimization; the first one of a session starts it. Nothing if healthy.
   std::optional<ResetCause> check(const WindowEstimate& window);
 
-  /// Of one frame; between windows.
+  /// Checks one frame, between optimizations. Nothing if healthy.
   std::optional<ResetCause> check(const FrameEstimator::Result& frame);
 
-  /// The odometry starts anew.
+  /// After a reset of the odometry.
   void reset() { last_vision_update_.reset(); }
 
  private:

@@ -37,7 +37,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       back_end_(back_end),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
-      gate_(max_imu_step(config)),
+      input_validator_(max_imu_step(config)),
       tracker_(setup_.calibration, config.tracking),
       initializer_(stereo_, setup_.imu_noise, config.initializer),
       frame_estimator_(stereo_, setup_.imu_noise, config.frame_estimator),
@@ -46,14 +46,14 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
                                config.fusion)) {}
 
 std::optional<PoseEstimate> RobotPipeline::add_imu(const ImuSample& sample) {
-  const std::vector<ImuSample> admitted = gate_.admit(sample);
-  for (const ImuSample& one : admitted) take_imu(one);
+  const std::vector<ImuSample> admitted = input_validator_.admit(sample);
+  for (const ImuSample& one : admitted) handle_imu(one);
   if (admitted.empty()) return std::nullopt;
-  process_pending();
+  handle_pending();
   return latest_pose_;
 }
 
-void RobotPipeline::take_imu(const ImuSample& sample) {
+void RobotPipeline::handle_imu(const ImuSample& sample) {
   if (imu_samples_ > 0 && sample.stamp - latest_pose_.stamp > max_imu_step(config_)) {
     imu_ = ImuBuffer{};  // nothing may be integrated across
     ++faults_["imu_gaps"];
@@ -76,31 +76,31 @@ void RobotPipeline::add_tracks(TrackedFrame frame) {
 
 void RobotPipeline::add_frame(CameraFrame frame) {
   const Timestamp stamp = stamp_of(frame);
-  if (const std::string_view reason = gate_.judge_frame(stamp); !reason.empty()) {
+  if (const std::string_view reason = input_validator_.check_frame(stamp); !reason.empty()) {
     frames_.push_back({.stamp = stamp, .pose = {}, .refused = reason});
     return;
   }
   pending_.push_back(std::move(frame));
-  process_pending();
+  handle_pending();
 }
 
 void RobotPipeline::poll(Timestamp now) {
-  take_back_end(now);
-  take_cloud(now);
+  poll_back_end(now);
+  poll_cloud(now);
 }
 
-void RobotPipeline::process_pending() {
+void RobotPipeline::handle_pending() {
   while (!pending_.empty()) {
     const Timestamp stamp = stamp_of(pending_.front());
     const bool lost_to_gap = imu_.begins_after(stamp);
     if (!lost_to_gap && !imu_.covers(stamp)) return;
     CameraFrame frame = std::move(pending_.front());
     pending_.pop_front();
-    frames_.push_back(lost_to_gap ? give_up(stamp) : take_frame(std::move(frame)));
+    frames_.push_back(lost_to_gap ? skip_frame(stamp) : handle_frame(std::move(frame)));
   }
 }
 
-FrameOutput RobotPipeline::take_frame(CameraFrame frame) {
+FrameOutput RobotPipeline::handle_frame(CameraFrame frame) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   const TrackedFrame tracks = tracked(std::move(frame));
   FrameOutput output{.stamp = tracks.stamp,
@@ -120,13 +120,13 @@ FrameOutput RobotPipeline::take_frame(CameraFrame frame) {
   return output;
 }
 
-// Without the IMU around it a frame tells nothing, but there is a pose.
-FrameOutput RobotPipeline::give_up(Timestamp stamp) {
+// Without IMU samples around it a frame cannot be used, but has a dead-reckoned pose.
+FrameOutput RobotPipeline::skip_frame(Timestamp stamp) {
   ++faults_["frames_in_imu_gaps"];
   return {.stamp = stamp, .pose = pose_at(stamp), .refused = {}, .resets = resets_};
 }
 
-// Beyond fusion's buffer what the newest IMU sample says: that is the one after the frame.
+// Outside of fusion's buffer the pose at the newest IMU sample, the first one after the frame.
 PoseEstimate RobotPipeline::pose_at(Timestamp stamp) const {
   PoseEstimate pose = fusion_->estimate_at(stamp).value_or(latest_pose_);
   pose.stamp = stamp;
@@ -157,7 +157,7 @@ void RobotPipeline::initialize(const TrackedFrame& frame) {
     dead_reckoned_.erase(dead_reckoned_.begin(),
                          dead_reckoned_.lower_bound(frame.stamp - kDeadReckonedFor));
   }
-  if (back_end_busy_) return;  // with what a reset has voided; the next frames will do
+  if (back_end_busy_) return;  // with a job of the session before
   std::vector<ImuSample> since_previous;
   if (previous_frame_) since_previous = imu_.between(*previous_frame_, frame.stamp);
   imu_.forget_before(frame.stamp);
@@ -190,7 +190,7 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   if (!result->wants_keyframe || back_end_busy_) return false;
   auto imu = imu_.between(newest_keyframe_, frame.stamp);
   if (imu.empty()) return false;
-  note_outliers(result->outliers, frame);
+  remember_outliers(result->outliers, frame);
   KeyframeInput keyframe{.id = KeyframeId{next_keyframe_++},
                          .frame = without(frame, outlier_tracks_),
                          .imu = std::move(imu)};
@@ -199,15 +199,15 @@ bool RobotPipeline::estimate(const TrackedFrame& frame) {
   }
   back_end_.start(std::move(keyframe), frame.stamp);
   ++keyframes_;
-  frame_estimator_.keyframe_made(frame, result->estimate.state);
+  frame_estimator_.set_reference_keyframe(frame, result->estimate.state);
   back_end_busy_ = true;
   newest_keyframe_ = frame.stamp;
   return true;
 }
 
-// What moves, or has been mistaken for something else, stays out for as long as it is tracked.
-void RobotPipeline::note_outliers(const std::vector<LandmarkId>& outliers,
-                                  const TrackedFrame& frame) {
+// Outliers (moving points, wrong tracks) are excluded for as long as they are tracked.
+void RobotPipeline::remember_outliers(const std::vector<LandmarkId>& outliers,
+                                      const TrackedFrame& frame) {
   std::set<LandmarkId> tracked;
   for (const StereoObservation& seen : frame.observations) tracked.insert(seen.landmark);
   std::erase_if(outlier_tracks_, [&](LandmarkId id) { return !tracked.contains(id); });
@@ -221,7 +221,7 @@ void RobotPipeline::reset(ResetCause cause) {
   window_.reset();
   initialization_.reset();
   continued_.reset();
-  result_is_void_ = back_end_busy_;
+  discard_result_ = back_end_busy_;
   initializer_ = Initializer(stereo_, setup_.imu_noise, config_.initializer);
   frame_estimator_ = FrameEstimator(stereo_, setup_.imu_noise, config_.frame_estimator);
   outlier_tracks_.clear();
@@ -229,12 +229,12 @@ void RobotPipeline::reset(ResetCause cause) {
   fusion_->interrupt();
 }
 
-void RobotPipeline::take_back_end(Timestamp now) {
+void RobotPipeline::poll_back_end(Timestamp now) {
   auto result = back_end_.take(now);
   if (!result) return;
   back_end_busy_ = false;
   back_end_cpu_.push_back(result->cpu);
-  if (std::exchange(result_is_void_, false)) return;
+  if (std::exchange(discard_result_, false)) return;
   if (const auto cause = health_.check(*result->window)) return reset(*cause);
   const bool first = window_ == nullptr;
   window_ = std::move(result->window);
@@ -246,11 +246,11 @@ void RobotPipeline::take_back_end(Timestamp now) {
   ++submaps_built_;
   if (localizer_ == nullptr) return;
   if (first) start_session(now);
-  if (const auto start = known_start()) localizer_->update_start(*start);
+  if (const auto start = current_start()) localizer_->update_start(*start);
   localizer_->submit(std::move(result->submap), now);
 }
 
-// The cloud will answer for this keyframe too, so fusion must know it.
+// The cloud may answer for this keyframe, so fusion needs its odometry.
 void RobotPipeline::fuse_first_window() {
   std::optional<MapOdomEstimate> carried;
   if (continued_ && continued_->T_map_body) {
@@ -261,7 +261,7 @@ void RobotPipeline::fuse_first_window() {
   fusion_->add_odometry({newest.stamp, newest.state, window_->covariance});
 }
 
-void RobotPipeline::take_cloud(Timestamp now) {
+void RobotPipeline::poll_cloud(Timestamp now) {
   if (localizer_ == nullptr) return;
   for (LocalizationResult& answer : localizer_->take_answers(now)) {
     LocalizationOutput output{.answer = std::move(answer), .arrival = now, .reason = {}};
@@ -284,12 +284,12 @@ void RobotPipeline::start_session(Timestamp now) {
   session.session = setup_.session;
   session.start_stamp = setup_.program_start;
   session.stereo = stereo_;
-  if (const auto alignment = known_start()) {
+  if (const auto alignment = current_start()) {
     start_ = alignment;
   } else if (continued_ && start_) {
     start_ = continued_start(*start_, *continued_);
   } else if (setup_.T_map_body) {
-    start_ = start_pose(*setup_.T_map_body);
+    start_ = start_from_initial_pose(*setup_.T_map_body);
   }
   if (start_ && is_usable(*start_)) {
     session.start = start_;
@@ -299,15 +299,15 @@ void RobotPipeline::start_session(Timestamp now) {
   localizer_->start_session(session, now);
 }
 
-// Nothing before an answer was applied, nor where it was older than a gap in the IMU's data.
-std::optional<MapOdomEstimate> RobotPipeline::known_start() const {
-  auto start = fusion_->start_pose();
+// Nothing before the first applied answer, or if it is older than a gap in the IMU's data.
+std::optional<MapOdomEstimate> RobotPipeline::current_start() const {
+  auto start = fusion_->session_start();
   if (start) start->p_odom = window_->keyframes.back().state.T_odom_body.p;
   return start;
 }
 
 bool RobotPipeline::is_usable(const MapOdomEstimate& start) const {
-  if (resets_ == 0 && initialization_->T_first_newest) return true;  // as a person gave it
+  if (resets_ == 0 && initialization_->T_first_newest) return true;  // as given by the user
   const Matrix6d A = adjoint(inverse(window_->keyframes.back().state.T_odom_body));
   const Matrix6d covariance = A * start.covariance * A.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance.bottomRightCorner<3, 3>(),
@@ -315,9 +315,9 @@ bool RobotPipeline::is_usable(const MapOdomEstimate& start) const {
   return std::sqrt(solver.eigenvalues().maxCoeff()) <= config_.start.max_carried_sigma_m;
 }
 
-// A person's start pose holds at the first image. Where the motion since then was not seen, only
-// its bounds are known.
-MapOdomEstimate RobotPipeline::start_pose(const Pose& T_map_body_first) const {
+// The user's start pose refers to the first image. Where the motion since then was not observed,
+// its bounds (ImuGapModel) are added.
+MapOdomEstimate RobotPipeline::start_from_initial_pose(const Pose& T_map_body_first) const {
   const Pose& T_odom_body = initialization_->states.back().T_odom_body;
   const std::optional<Pose>& T_first_newest = initialization_->T_first_newest;
   if (T_first_newest && resets_ == 0) {
@@ -332,7 +332,7 @@ MapOdomEstimate RobotPipeline::start_pose(const Pose& T_map_body_first) const {
   return map_odom_estimate_at(T_map_body_first, T_odom_body, sigma);
 }
 
-// From the gyroscope alone; nothing where the IMU has a gap.
+// From the gyroscope alone; identity where the IMU has a gap.
 Eigen::Quaterniond RobotPipeline::predicted_rotation(Timestamp stamp) const {
   if (!previous_frame_) return Eigen::Quaterniond::Identity();
   const std::vector<ImuSample> samples = imu_.between(*previous_frame_, stamp);
@@ -343,7 +343,9 @@ Eigen::Quaterniond RobotPipeline::predicted_rotation(Timestamp stamp) const {
 
 std::map<std::string, std::uint64_t> RobotPipeline::faults() const {
   std::map<std::string, std::uint64_t> faults = faults_;
-  for (const auto& [reason, count] : gate_.refused()) faults["refused_" + reason] = count;
+  for (const auto& [reason, count] : input_validator_.refused()) {
+    faults["refused_" + reason] = count;
+  }
   return faults;
 }
 

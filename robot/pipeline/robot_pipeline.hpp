@@ -28,30 +28,30 @@ namespace fleetloc {
 
 class ConfigReader;
 
-/// A robot as it stands at the start of its program.
+/// What is known of a robot at the start of its program.
 struct RobotSetup {
   RobotId id;
   StereoCalibration calibration;
   ImuNoise imu_noise;
   SessionNumber session{1};        ///< of the first start of the odometry; each reset adds one
-  Timestamp program_start{};       ///< a later one replaces what the cloud knows of the robot
+  Timestamp program_start{};       ///< a later one replaces the robot's session in the cloud
   std::optional<Pose> T_map_body;  ///< at the first image
-  /// A control: ignore every answer after the first applied one, and all corrections.
+  /// Control experiment: ignore every answer after the first applied one, and all corrections.
   bool align_once = false;
 };
 
-/// What became of one stereo frame.
+/// Result of one stereo frame.
 struct FrameOutput {
   Timestamp stamp;
   PoseEstimate pose;         ///< at the stamp, as known when the frame had been tracked
-  std::string_view refused;  ///< why it was not used at all, and has no pose; empty as a rule
+  std::string_view refused;  ///< why it was rejected and has no pose; empty: it was not
   int tracks = 0;            ///< observations of the frame
   bool keyframe = false;
   std::uint64_t resets = 0;  ///< of the odometry so far
   Duration tracking_cpu{};
 };
 
-/// What became of one answer of the cloud.
+/// Result of one answer of the cloud.
 struct LocalizationOutput {
   LocalizationResult answer;
   Timestamp arrival;
@@ -59,12 +59,12 @@ struct LocalizationOutput {
   std::string_view reason;  ///< why not
 };
 
-/// The robot: images and IMU in, poses out, submaps to a MapLocalizer and its answers back.
+/// The robot: images and IMU in, poses out; submaps to a MapLocalizer, answers back.
 /// It owns no threads and reads no clock; the back end runs where `BackEnd` lets it.
 ///
 /// Some bad images are bridged by inertial prediction. Where that is not enough (OdometryHealth)
 /// the odometry is reset: a new session begins as soon as it has been initialized again, in motion.
-/// Poses are dead-reckoned meanwhile, and odom goes on where dead reckoning puts it.
+/// Poses are dead-reckoned meanwhile, and the new odom continues from them.
 class RobotPipeline {
  public:
   struct Config {
@@ -87,17 +87,17 @@ class RobotPipeline {
   /// the next one (InputValidator).
   std::optional<PoseEstimate> add_imu(const ImuSample& sample);
 
-  /// A frame is tracked as soon as the IMU covers its stamp. An image that is missing, or not as
-  /// calibrated, is done without. Each frame gives one FrameOutput.
+  /// A frame is tracked as soon as the IMU covers its stamp. A missing image, or one not of the
+  /// calibrated size, is ignored. Each frame gives one FrameOutput.
   void add_images(StereoFrame frame);
 
-  /// The same for a frame that has been tracked elsewhere: by a simulation, or by a recording.
+  /// The same with tracks from a simulation or a recording instead of images.
   void add_tracks(TrackedFrame frame);
 
-  /// One or the other.
+  /// Images or tracks.
   void add_frame(CameraFrame frame);
 
-  /// Takes over what back end and cloud have finished. `now` is the robot's clock.
+  /// Collects results of the back end and answers of the cloud. `now` is the robot's clock.
   void poll(Timestamp now);
 
   /// Each output is returned once, oldest first.
@@ -106,36 +106,37 @@ class RobotPipeline {
 
   [[nodiscard]] std::uint64_t submaps_built() const { return submaps_built_; }
   [[nodiscard]] std::uint64_t keyframes() const { return keyframes_; }
-  /// Landmarks and relative poses of the cloud that entered the window, and that did not.
+  /// Constraints of the cloud (e_pp, e_rt) that entered the window, and that did not.
   [[nodiscard]] std::uint64_t corrections_applied() const { return corrections_applied_; }
   [[nodiscard]] std::uint64_t corrections_ignored() const { return corrections_ignored_; }
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] std::uint64_t resets() const { return resets_; }
-  /// What was wrong with the input, and what came of it, by kind: "refused_...", "missing_images",
-  /// "wrong_images", frames that were "vision_lost" or "vision_inconsistent", and "reset_..." by cause.
+  /// Counts of input faults and of their effects, by kind: "refused_...", "missing_images",
+  /// "wrong_images", "vision_lost_frames", "vision_inconsistent_frames" and others, "reset_..." by
+  /// cause.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
   [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
 
  private:
-  void take_imu(const ImuSample& sample);
-  void process_pending();
+  void handle_imu(const ImuSample& sample);
+  void handle_pending();
   TrackedFrame tracked(CameraFrame frame);
   void check_image(cv::Mat& image, const Camera& camera);
-  FrameOutput take_frame(CameraFrame frame);
-  FrameOutput give_up(Timestamp stamp);
+  FrameOutput handle_frame(CameraFrame frame);
+  FrameOutput skip_frame(Timestamp stamp);
   [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
   void initialize(const TrackedFrame& frame);
   bool estimate(const TrackedFrame& frame);
-  void note_outliers(const std::vector<LandmarkId>& outliers, const TrackedFrame& frame);
+  void remember_outliers(const std::vector<LandmarkId>& outliers, const TrackedFrame& frame);
   void reset(ResetCause cause);
-  void take_back_end(Timestamp now);
+  void poll_back_end(Timestamp now);
   void fuse_first_window();
-  void take_cloud(Timestamp now);
+  void poll_cloud(Timestamp now);
   void start_session(Timestamp now);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp) const;
-  [[nodiscard]] MapOdomEstimate start_pose(const Pose& T_map_body_first) const;
-  [[nodiscard]] std::optional<MapOdomEstimate> known_start() const;
+  [[nodiscard]] MapOdomEstimate start_from_initial_pose(const Pose& T_map_body_first) const;
+  [[nodiscard]] std::optional<MapOdomEstimate> current_start() const;
   [[nodiscard]] bool is_usable(const MapOdomEstimate& start) const;
 
   RobotSetup setup_;
@@ -145,7 +146,7 @@ class RobotPipeline {
   MapLocalizer* localizer_;
   CpuClock cpu_clock_;
 
-  InputValidator gate_;
+  InputValidator input_validator_;
   FeatureTracker tracker_;
   Initializer initializer_;
   FrameEstimator frame_estimator_;
@@ -161,7 +162,7 @@ class RobotPipeline {
   std::set<LandmarkId> outlier_tracks_;  // of those that are still tracked
   std::uint32_t next_keyframe_ = 0;
   bool back_end_busy_ = false;
-  bool result_is_void_ = false;  // the job in the back end belongs to a session that has ended
+  bool discard_result_ = false;  // the job in the back end belongs to a session that has ended
   bool aligned_ = false;
   std::optional<Initialization> initialization_;     // once it is found
   std::shared_ptr<const WindowEstimate> window_;     // the latest

@@ -110,7 +110,7 @@ void RunFolder::record_frame(const FrameRecord& frame) {
   write_tum_line(localization_frames_, pose.stamp, *pose.T_map_body);
 }
 
-// Whole lines, for who watches the run, and for what is left of one that is killed.
+// Whole lines, for the monitor and for runs that are killed.
 void RunFolder::flush() {
   for (std::ofstream* stream :
        {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {

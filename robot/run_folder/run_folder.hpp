@@ -36,7 +36,7 @@ struct AnswerRecord {
   bool applied = false;
 };
 
-/// What summary.json holds; SI units but where a name says otherwise.
+/// Content of summary.json; SI units unless a name says otherwise.
 struct RunSummary {
   std::uint64_t frames = 0;
   std::uint64_t keyframes = 0;

@@ -11,9 +11,9 @@ double seconds(const timeval& time) {
 
 }  // namespace
 
-void RunRecorder::take(RobotPipeline& pipeline, const CloudClient::Traffic& traffic) {
+void RunRecorder::record(RobotPipeline& pipeline, const CloudClient::Traffic& traffic) {
   for (const FrameOutput& frame : pipeline.take_frames()) {
-    if (!frame.refused.empty()) continue;  // has no pose, and a stamp that would spoil the files
+    if (!frame.refused.empty()) continue;  // has no pose, and an invalid stamp
     summary_.tracking_ms.push_back(1e3 * to_seconds(frame.tracking_cpu));
     folder_.add_frame({.pose = frame.pose,
                        .uplink_bytes = traffic.uplink_bytes,

@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-/// Writes what a pipeline puts out into a run folder. Without a map there is no traffic.
+/// Writes the outputs of a pipeline into a run folder. Without a map the traffic is zero.
 class RunRecorder {
  public:
   explicit RunRecorder(const std::filesystem::path& folder) : folder_(folder) {}
@@ -21,16 +21,16 @@ class RunRecorder {
   void add_imu_rate_pose(const PoseEstimate& pose) { folder_.add_imu_rate_pose(pose); }
   void add_decoding(Duration cpu) { summary_.decode_ms.push_back(1e3 * to_seconds(cpu)); }
 
-  /// Takes the pipeline's outputs since the last call.
-  void take(RobotPipeline& pipeline, const CloudClient::Traffic& traffic);
+  /// Writes the pipeline's outputs since the last call.
+  void record(RobotPipeline& pipeline, const CloudClient::Traffic& traffic);
 
-  /// How the run ended, and what its caller alone knows.
+  /// How the run ended, and what only the caller knows.
   struct End {
     bool interrupted = false;  ///< before the end of the dataset
     double wall_s = 0.0;
     std::map<std::string, std::uint64_t> input_faults;
   };
-  /// Processor time and memory are the process's.
+  /// Writes summary.json; processor time and memory are those of the process.
   void finish(const RobotPipeline& pipeline, const CloudClient::Traffic& traffic, const End& end);
 
  private:

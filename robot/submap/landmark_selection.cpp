@@ -75,22 +75,22 @@ std::vector<const Candidate*> spread(const LandmarkSelection& selection,
 }
 
 /// How many landmarks each image may still get.
-class Room {
+class Capacity {
  public:
-  Room(Images images, int max_observations, const std::set<LandmarkId>& kept) {
+  Capacity(Images images, int max_observations, const std::set<LandmarkId>& already_sent) {
     for (const std::vector<StereoObservation>* image : images) {
       left_.push_back(max_observations - static_cast<int>(std::ranges::count_if(
-                                             *image, [&kept](const StereoObservation& one) {
-                                               return kept.contains(one.landmark);
+                                             *image, [&already_sent](const StereoObservation& one) {
+                                               return already_sent.contains(one.landmark);
                                              })));
     }
   }
 
-  [[nodiscard]] bool in(std::size_t image) const { return left_[image] > 0; }
-  [[nodiscard]] bool in_all(const std::vector<std::size_t>& images) const {
-    return std::ranges::all_of(images, [this](std::size_t image) { return in(image); });
+  [[nodiscard]] bool has_room(std::size_t image) const { return left_[image] > 0; }
+  [[nodiscard]] bool has_room_in_all(const std::vector<std::size_t>& images) const {
+    return std::ranges::all_of(images, [this](std::size_t image) { return has_room(image); });
   }
-  void take(const std::vector<std::size_t>& images) {
+  void use(const std::vector<std::size_t>& images) {
     for (const std::size_t image : images) --left_[image];
   }
 
@@ -103,15 +103,18 @@ class Room {
 std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
                                       Images images,
                                       std::span<const CandidateLandmark> landmarks,
-                                      const std::set<LandmarkId>& kept) {
+                                      const std::set<LandmarkId>& already_sent) {
   const Candidates candidates = candidates_in(selection, images, landmarks);
-  Room room(images, selection.max_per_keyframe, kept);
-  std::set<LandmarkId> selected = kept;
+  Capacity capacity(images, selection.max_per_keyframe, already_sent);
+  std::set<LandmarkId> selected = already_sent;
   for (std::size_t image = images.size(); image-- > 0;) {
     for (const Candidate* candidate : spread(selection, *images[image], candidates)) {
-      if (!room.in(image)) break;
-      if (selected.contains(candidate->landmark->id) || !room.in_all(candidate->seen_in)) continue;
-      room.take(candidate->seen_in);
+      if (!capacity.has_room(image)) break;
+      if (selected.contains(candidate->landmark->id) ||
+          !capacity.has_room_in_all(candidate->seen_in)) {
+        continue;
+      }
+      capacity.use(candidate->seen_in);
       selected.insert(candidate->landmark->id);
     }
   }

@@ -19,7 +19,7 @@ struct CandidateLandmark {
   double relative_depth_sigma = 0.0;                 ///< sigma of depth / depth
 };
 
-/// Which landmarks a submap holds.
+/// Criteria for the landmarks of a submap.
 struct LandmarkSelection {
   int more_observations_than;       ///< the paper's theta
   double max_relative_depth_sigma;  ///< sigma of depth / depth
@@ -27,17 +27,17 @@ struct LandmarkSelection {
   double cell_px;  ///< side of the cells over which those of one image are spread
 };
 
-/// The landmarks to send: those of `kept`, and reliable ones, at most so many in each image, spread
-/// over it, those that are seen most often first. Newer images are served first.
+/// The landmarks to send: those of `already_sent`, and reliable ones up to max_per_keyframe in each
+/// image, spread over its cells, most observations first. Newest image first.
 /// @param images     observations of the keyframes, oldest first
 /// @param landmarks  strictly increasing by id
-/// @param kept       were sent before: they take up room, and stay even where there is none
+/// @param already_sent  always selected, and counted in max_per_keyframe
 std::set<LandmarkId> select_landmarks(const LandmarkSelection& selection,
                                       std::span<const std::vector<StereoObservation>* const> images,
                                       std::span<const CandidateLandmark> landmarks,
-                                      const std::set<LandmarkId>& kept);
+                                      const std::set<LandmarkId>& already_sent);
 
-/// How many of them are reliable, whether there is room for them or not.
+/// Number of landmarks that meet the two thresholds, selected or not.
 int reliable_landmarks(const LandmarkSelection& selection,
                        std::span<const CandidateLandmark> landmarks);
 

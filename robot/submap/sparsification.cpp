@@ -17,8 +17,8 @@ constexpr std::size_t kMinKeyframes = 3;
 constexpr int kPose = 6;
 constexpr int kSpeedBias = 9;
 
-/// Where the states stand in Lambda_m: the poses but the oldest, then velocities and biases. What
-/// is fixed has no columns.
+/// Column offsets of the states in Lambda_m: poses but the oldest, then velocities and biases.
+/// Fixed states have no columns.
 struct Columns {
   int states;
   InertialModel model;

@@ -9,16 +9,16 @@
 #include "robot/inertial/inertial_window.hpp"
 #include "shared/geometry/pose.hpp"
 
-/// Virtual odometry: what the IMU says of the poses of a window, as independent relative poses
+/// Virtual odometry: the IMU's information on the poses of a window, as independent relative poses
 /// between consecutive ones (paper, section III-A: "Marginalize the velocity and bias nodes").
 namespace fleetloc {
 
 enum class InertialModel {
   /// The oldest pose is fixed, its velocity and biases have their marginal in the odometry as a
-  /// prior; what is measured is the mean of the inertial distribution, without vision.
+  /// prior; the measured values are the mean of the inertial distribution, without vision.
   kInertialMean,
-  /// As in the paper: the oldest state is fixed, velocity and biases with it; what is measured is
-  /// the odometry's estimate.
+  /// As in the paper: the oldest state is fixed, velocity and biases with it; the measured values
+  /// are the odometry's estimates.
   kPaper,
 };
 
@@ -33,7 +33,7 @@ enum class SparsificationRefusal {
   kSingularPoses,        ///< the poses are not determined, or an edge is not
 };
 
-/// As it stands in logs and summaries.
+/// Name in logs and summaries.
 std::string_view name(SparsificationRefusal refusal);
 
 template <typename T>
@@ -48,7 +48,8 @@ struct PoseInformation {
 };
 
 /// Lambda_m from preintegration and bias walk over poses, velocities and biases, linearized at the
-/// window's states; then the Schur complement without velocities and biases (paper, eq. 5 and 6).
+/// window's states; then Lambda_t by the Schur complement that eliminates velocities and biases
+/// (paper, eq. 5 and 6).
 Sparsified<PoseInformation> pose_information(const InertialWindow& window, InertialModel model);
 
 /// One relative pose; its error is Log(T_from_to^-1 * T_odom_from^-1 * T_odom_to).
@@ -64,11 +65,11 @@ struct ChainOfPoses {
 
 /// The chain of independent relative poses that is nearest to the dense distribution in the
 /// Kullback-Leibler divergence: X_i = ({A Lambda_t^-1 A^T}_i)^-1 (paper, eq. 8; Wang, Xiong and
-/// Huang, 2015). Measured are the relative poses at poses [+] Lambda_t^-1 vector with
-/// kInertialMean, else at the poses themselves.
+/// Huang, 2015). T_from_to is taken at poses [+] Lambda_t^-1 vector with kInertialMean, else at the
+/// poses themselves.
 Sparsified<ChainOfPoses> sparsify(const PoseInformation& dense, InertialModel model);
 
-/// Both steps.
+/// pose_information() and sparsify().
 Sparsified<ChainOfPoses> virtual_odometry(const InertialWindow& window, InertialModel model);
 
 /// Covariance of the consecutive relative poses in the dense distribution: A Lambda_t^-1 A^T.

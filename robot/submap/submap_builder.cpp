@@ -19,7 +19,7 @@ bool same(const StereoObservation& a, const StereoObservation& b) {
   return a.landmark == b.landmark && a.left == b.left && a.disparity == b.disparity;
 }
 
-/// All but the revision.
+/// Equal but for the revision.
 bool same(const SubmapKeyframe& a, const SubmapKeyframe& b) {
   return a.stamp == b.stamp && same(a.T_odom_body, b.T_odom_body) && a.tilt_sigma == b.tilt_sigma &&
          std::ranges::equal(a.observations, b.observations, [](const auto& x, const auto& y) {
@@ -44,8 +44,8 @@ Item& revise(Item& sent, Item item) {
   return sent;
 }
 
-std::vector<StereoObservation> kept(const std::vector<StereoObservation>& observations,
-                                    const std::set<LandmarkId>& selected) {
+std::vector<StereoObservation> selected_only(const std::vector<StereoObservation>& observations,
+                                             const std::set<LandmarkId>& selected) {
   std::vector<StereoObservation> out;
   std::ranges::copy_if(observations, std::back_inserter(out), [&](const StereoObservation& one) {
     return selected.contains(one.landmark);
@@ -60,7 +60,7 @@ SubmapBuilder::SubmapBuilder(const Config& config) : config_(config) {}
 Submap SubmapBuilder::build(const SubmapInput& input) {
   assert(!input.keyframes.empty() && input.keyframes.size() == input.inertial.states.size());
   diagnostics_ = {};
-  note_departed(input);
+  record_marginalized(input);
   forget_before(input.keyframes.front().id);
   update_edges(input);
   Submap submap;
@@ -103,35 +103,36 @@ void SubmapBuilder::update_edge(const EdgeKey& key, const RelativePose& relative
   sent.final = final;
 }
 
-// The odometry's window holds no observation of a landmark any more that a keyframe saw which left
-// it: the landmark was marginalized. Had it been rejected, that keyframe would not have it either.
-void SubmapBuilder::note_departed(const SubmapInput& input) {
+// A landmark was marginalized if a keyframe that left the window observes it and no keyframe of the
+// window does. Had it been rejected, that keyframe would not observe it either.
+void SubmapBuilder::record_marginalized(const SubmapInput& input) {
   std::set<LandmarkId> present;
   for (const SubmapInputKeyframe& keyframe : input.keyframes) {
     for (const StereoObservation& one : keyframe.observations) present.insert(one.landmark);
   }
-  std::set<LandmarkId> held;
+  std::set<LandmarkId> still_observed;
   for (const auto& [id, keyframe] : sent_keyframes_) {
     const bool leaves = id < input.keyframes.front().id;
     for (const StereoObservation& one : keyframe.observations) {
-      if (!leaves) held.insert(one.landmark);
-      if (leaves && !present.contains(one.landmark)) departed_.insert(one.landmark);
+      if (!leaves) still_observed.insert(one.landmark);
+      if (leaves && !present.contains(one.landmark)) marginalized_.insert(one.landmark);
     }
   }
-  std::erase_if(departed_,
-                [&](LandmarkId id) { return !held.contains(id) || present.contains(id); });
+  std::erase_if(marginalized_, [&](LandmarkId id) {
+    return !still_observed.contains(id) || present.contains(id);
+  });
   std::erase_if(sent_landmarks_, [&](const auto& sent) {
-    return !present.contains(sent.first) && !departed_.contains(sent.first);
+    return !present.contains(sent.first) && !marginalized_.contains(sent.first);
   });
 }
 
-std::vector<StereoObservation> SubmapBuilder::with_departed(
+std::vector<StereoObservation> SubmapBuilder::with_marginalized(
     const SubmapInputKeyframe& keyframe) const {
   const auto sent = sent_keyframes_.find(keyframe.id);
   if (sent == sent_keyframes_.end()) return keyframe.observations;
   std::vector<StereoObservation> both;
   std::ranges::merge(keyframe.observations,
-                     kept(sent->second.observations, departed_),
+                     selected_only(sent->second.observations, marginalized_),
                      std::back_inserter(both),
                      {},
                      &StereoObservation::landmark,
@@ -142,7 +143,7 @@ std::vector<StereoObservation> SubmapBuilder::with_departed(
 void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
   std::vector<std::vector<StereoObservation>> observations;
   observations.reserve(input.keyframes.size());
-  for (const auto& keyframe : input.keyframes) observations.push_back(with_departed(keyframe));
+  for (const auto& keyframe : input.keyframes) observations.push_back(with_marginalized(keyframe));
   std::vector<const std::vector<StereoObservation>*> images;
   images.reserve(observations.size());
   for (const auto& image : observations) images.push_back(&image);
@@ -160,7 +161,7 @@ void SubmapBuilder::add_keyframes(const SubmapInput& input, Submap& submap) {
                               .stamp = keyframe.stamp,
                               .T_odom_body = input.inertial.states[i].T_odom_body,
                               .tilt_sigma = tilt_sigma(keyframe),
-                              .observations = kept(observations[i], selected)}));
+                              .observations = selected_only(observations[i], selected)}));
   }
   for (const CandidateLandmark& landmark : input.landmarks) {
     if (selected.contains(landmark.id)) sent_landmarks_[landmark.id] = landmark.p_odom;

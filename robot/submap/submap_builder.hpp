@@ -29,18 +29,18 @@ struct SubmapInput {
   std::vector<CandidateLandmark> landmarks;    ///< strictly increasing by id
 };
 
-/// Makes the paper's virtual observation out of each window of one session.
+/// Builds the paper's virtual observation from each window of one session.
 ///
-/// An observation that was sent stays in the later submaps with its keyframe. The odometry drops a
-/// landmark's last observations when it marginalizes the first one, and in fast motion that is most
-/// of them; the cloud, whose window is longer, would lose them with the keyframe's next revision.
-/// Only what the odometry has rejected is taken back.
+/// An observation that was sent is repeated with its keyframe in later submaps. The odometry drops
+/// a landmark's last observations when it marginalizes the first one, and in fast motion that is
+/// most of them; the cloud, whose window is longer, would lose them with the keyframe's next
+/// revision. Only observations that the odometry has rejected are removed.
 class SubmapBuilder {
  public:
   struct Config {
     InertialModel model;
-    /// An edge is final as soon as that many newer ones are in the window; it is repeated
-    /// unchanged from then on. As it slides through the window it would only get tighter.
+    /// An edge is final as soon as that many newer ones are in the window; it is repeated unchanged
+    /// from then on. Recomputed as it slides through the window, its covariance would only shrink.
     int final_behind_edges;
     /// Factor on the covariance of each edge: edges of a chain count as independent, and are not.
     double edge_covariance_inflation;
@@ -58,7 +58,7 @@ class SubmapBuilder {
 
   explicit SubmapBuilder(const Config& config);
 
-  /// Robot, session, incarnation and number are left to whoever sends it. Revisions start at one,
+  /// Robot, session, incarnation and number are set by the sender. Revisions start at one,
   /// and increase when an item differs from what it was in the submap before.
   Submap build(const SubmapInput& input);
 
@@ -71,10 +71,10 @@ class SubmapBuilder {
   };
   using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
 
-  /// Observations of a keyframe with those that the odometry has marginalized out put back.
-  [[nodiscard]] std::vector<StereoObservation> with_departed(
+  /// Observations of a keyframe, including those that the odometry has marginalized out.
+  [[nodiscard]] std::vector<StereoObservation> with_marginalized(
       const SubmapInputKeyframe& keyframe) const;
-  void note_departed(const SubmapInput& input);
+  void record_marginalized(const SubmapInput& input);
   void update_edges(const SubmapInput& input);
   void update_edge(const EdgeKey& key, const RelativePose& relative, bool final);
   void add_keyframes(const SubmapInput& input, Submap& submap);
@@ -83,13 +83,13 @@ class SubmapBuilder {
 
   Config config_;
   std::map<LandmarkId, Eigen::Vector3d> sent_landmarks_;  ///< p_odom, as estimated last [m]
-  std::set<LandmarkId> departed_;  ///< of them, left the odometry's window with a keyframe
+  std::set<LandmarkId> marginalized_;  ///< of them, left the window with a keyframe
   std::map<KeyframeId, SubmapKeyframe> sent_keyframes_;
   std::map<EdgeKey, SentEdge> sent_edges_;
   Diagnostics diagnostics_;
 };
 
-/// Half a turn: the tilt_sigma of a keyframe whose tilt is not measured.
+/// pi: the tilt_sigma of a keyframe whose tilt is not measured.
 inline constexpr double kUnknownTiltRad = 3.14159;
 
 SubmapBuilder::Config read_submap_builder_config(ConfigReader section);

@@ -16,7 +16,7 @@ struct CornerDetectionConfig {
   int fast_threshold;      ///< gray values by which a corner stands out
   double min_score;        ///< smaller eigenvalue of the mean gradient products [gray^2 / px^2]
   double min_distance_px;  ///< between two features
-  int margin_px;           ///< of the image in which there are no features
+  int margin_px;           ///< border of the image without features
 };
 
 CornerDetectionConfig read_corner_detection_config(ConfigReader section);

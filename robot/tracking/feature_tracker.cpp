@@ -49,7 +49,7 @@ TrackedFrame FeatureTracker::track(const StereoFrame& frame,
   if (frame.left.empty()) return {.stamp = frame.stamp, .observations = {}};
 
   ImagePyramid left(frame.left, config_.flow);
-  if (!left_.empty()) follow_tracks(left, R_left_previous_);
+  if (!left_.empty()) track_features(left, R_left_previous_);
   add_corners(frame.left);
   match_right(left, frame.right);
   left_ = std::move(left);
@@ -57,7 +57,7 @@ TrackedFrame FeatureTracker::track(const StereoFrame& frame,
   return observe(frame.stamp);
 }
 
-/// The camera keeps its translation and turns as the gyroscope says.
+/// Constant velocity; rotation from the gyroscope.
 Pose FeatureTracker::predict_motion(const Eigen::Quaterniond& R_previous_current) const {
   const Eigen::Quaterniond& R_body_cam = stereo_.T_body_cam0.R;
   Pose T_current_previous;
@@ -66,7 +66,7 @@ Pose FeatureTracker::predict_motion(const Eigen::Quaterniond& R_previous_current
   return T_current_previous;
 }
 
-/// Where the track is to be expected; where it was if that is outside of the image.
+/// Predicted pixel of the track; its last pixel if that is outside of the image.
 cv::Point2f FeatureTracker::predict_pixel(const Track& track, const Pose& T) const {
   const Eigen::Vector3d ray =
       ((track.rectified - stereo_.center_px) / stereo_.focal_px).homogeneous();
@@ -80,8 +80,8 @@ cv::Point2f FeatureTracker::predict_pixel(const Track& track, const Pose& T) con
   return left_camera_.distort(rectified).value_or(track.left);
 }
 
-void FeatureTracker::follow_tracks(const ImagePyramid& left,
-                                   const Eigen::Quaterniond& R_previous_current) {
+void FeatureTracker::track_features(const ImagePyramid& left,
+                                    const Eigen::Quaterniond& R_previous_current) {
   const Pose prediction = predict_motion(R_previous_current);
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> starts;
@@ -89,8 +89,8 @@ void FeatureTracker::follow_tracks(const ImagePyramid& left,
     points.push_back(track.left);
     starts.push_back(predict_pixel(track, prediction));
   }
-  const auto moved = follow(left_, left, points, starts, config_.flow);
-  std::vector<Track> followed;
+  const auto moved = track_points(left_, left, points, starts, config_.flow);
+  std::vector<Track> tracked;
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!moved[i]) continue;
@@ -98,15 +98,15 @@ void FeatureTracker::follow_tracks(const ImagePyramid& left,
     const auto rectified = left_camera_.rectify(pixel);
     if (!rectified) continue;
     correspondences.push_back({tracks_[i].rectified, *rectified, tracks_[i].disparity});
-    followed.push_back({tracks_[i].landmark, pixel, *rectified, tracks_[i].disparity});
+    tracked.push_back({tracks_[i].landmark, pixel, *rectified, tracks_[i].disparity});
   }
-  diagnostics_.followed = static_cast<int>(followed.size());
-  diagnostics_.lost = static_cast<int>(tracks_.size() - followed.size());
-  const auto checked = check_motion(correspondences, stereo_, prediction, config_.motion);
-  keep_rigid(std::move(followed), correspondences, checked);
+  diagnostics_.tracked = static_cast<int>(tracked.size());
+  diagnostics_.lost = static_cast<int>(tracks_.size() - tracked.size());
+  const auto checked = estimate_rigid_motion(correspondences, stereo_, prediction, config_.motion);
+  keep_inliers(std::move(tracked), correspondences, checked);
 }
 
-/// Along its flow, which is what changes most over a patch that comes nearer.
+/// Refines along the flow, which changes most over a patch that comes nearer.
 cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
                                     const cv::Point2f& before,
                                     const cv::Point2f& now) const {
@@ -117,13 +117,13 @@ cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
   return match_slanted(left_.image(), left.image(), before, line, config_.slanted).value_or(now);
 }
 
-/// Keeps what moved with the scene, each with the disparity that it is now to be expected at.
-void FeatureTracker::keep_rigid(std::vector<Track> followed,
-                                const std::vector<Correspondence>& correspondences,
-                                const CheckedMotion& motion) {
+/// Keeps the inliers of the rigid motion, each with its predicted disparity.
+void FeatureTracker::keep_inliers(std::vector<Track> tracked,
+                                  const std::vector<Correspondence>& correspondences,
+                                  const RigidMotion& motion) {
   tracks_.clear();
-  for (std::size_t i = 0; i < followed.size(); ++i) {
-    Track& track = followed[i];
+  for (std::size_t i = 0; i < tracked.size(); ++i) {
+    Track& track = tracked[i];
     if (!motion.inliers[i] || is_taken(track.left)) continue;
     if (track.disparity > 0.0) {
       const Eigen::Vector2d ideal =
@@ -140,7 +140,7 @@ void FeatureTracker::keep_rigid(std::vector<Track> followed,
   translation_m_ = motion.has_translation ? motion.T_current_previous.p : Eigen::Vector3d::Zero();
 }
 
-/// Two features that ran into one another are one; the older stays.
+/// Of two features that have converged to one pixel the older stays.
 bool FeatureTracker::is_taken(const cv::Point2f& pixel) const {
   const double distance = 0.5 * config_.corners.min_distance_px;
   return std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {

@@ -16,18 +16,18 @@
 
 namespace fleetloc {
 
-/// What became of the features of one frame.
+/// Counts and errors of the features of one frame.
 struct TrackingDiagnostics {
-  int followed = 0;              ///< from the last left image, and found again on the way back
-  int lost = 0;                  ///< not so
-  int rejected_by_motion = 0;    ///< of those followed: did not move as the scene did
+  int tracked = 0;               ///< from the last left image, forward-backward check passed
+  int lost = 0;                  ///< the others
+  int rejected_by_motion = 0;    ///< of those tracked: outliers of the rigid motion
   int detected = 0;              ///< new
   int with_disparity = 0;        ///< of all
   double row_error_px = 0.0;     ///< median |difference| of left and right rectified row
-  double motion_error_px = 0.0;  ///< median distance from where the scene's motion puts a feature
+  double motion_error_px = 0.0;  ///< median distance from the pixel predicted by the motion
 };
 
-/// Follows point features through the images of a stereo camera. Deterministic; programs that
+/// Tracks point features through the images of a stereo camera. Deterministic; programs that
 /// need bit-identical replays and no extra threads call cv::setNumThreads(1) once.
 class FeatureTracker {
  public:
@@ -41,9 +41,9 @@ class FeatureTracker {
 
   FeatureTracker(const StereoCalibration& calibration, const Config& config);
 
-  /// Observations in the rectified pair. Landmark ids increase and are never used twice. Without
-  /// a left image there are none, but features are followed to the next image from the last one
-  /// that was there; without a right image there are no disparities.
+  /// Observations in the rectified pair. Landmark ids increase and are never used twice. Without a
+  /// left image there are none, and the next one is tracked from the last left image; without a
+  /// right image there are no disparities.
   ///
   /// @param R_previous_current  rotation of the body since the previous call, from the gyroscope;
   ///                            identity if it is not known
@@ -61,10 +61,10 @@ class FeatureTracker {
     double disparity = 0.0;     // 0: not known
   };
 
-  void follow_tracks(const ImagePyramid& left, const Eigen::Quaterniond& R_previous_current);
-  void keep_rigid(std::vector<Track> followed,
-                  const std::vector<Correspondence>& correspondences,
-                  const CheckedMotion& motion);
+  void track_features(const ImagePyramid& left, const Eigen::Quaterniond& R_previous_current);
+  void keep_inliers(std::vector<Track> tracked,
+                    const std::vector<Correspondence>& correspondences,
+                    const RigidMotion& motion);
   void match_right(const ImagePyramid& left, const cv::Mat& right);
   [[nodiscard]] bool is_taken(const cv::Point2f& pixel) const;
   void add_corners(const cv::Mat& left);
@@ -80,7 +80,7 @@ class FeatureTracker {
   RectifiedCamera left_camera_;
   StereoMatcher matcher_;
 
-  ImagePyramid left_;                   // the last that was there
+  ImagePyramid left_;                   // the last one
   std::vector<Track> tracks_;           // in it, strictly increasing by landmark
   Eigen::Quaterniond R_left_previous_;  // of the body: from that image to the previous call
   Eigen::Vector3d translation_m_;       // of the last T_current_previous, if known

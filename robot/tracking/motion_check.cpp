@@ -16,7 +16,7 @@ constexpr std::uint32_t kSeed = 1;
 constexpr int kIterations = 4;
 constexpr double kConfidence = 0.999;
 
-/// Everything that the steps below share. Indices point into `correspondences`.
+/// Inputs of all steps below. Indices point into `correspondences`.
 struct Problem {
   const std::vector<Correspondence>& correspondences;
   const RectifiedStereo& stereo;
@@ -38,7 +38,7 @@ Eigen::Vector3d point(const Problem& problem, const Correspondence& c) {
          (problem.stereo.focal_px * problem.stereo.baseline_m / c.disparity);
 }
 
-/// From the current pixel to where the motion puts the point; infinite behind the camera.
+/// From the current pixel to the one predicted by the motion; infinite behind the camera.
 double distance_of_point(const Problem& problem, const Correspondence& c, const Pose& T) {
   const Eigen::Vector3d moved = T * point(problem, c);
   if (moved.z() <= 0.0) return std::numeric_limits<double>::infinity();
@@ -201,15 +201,15 @@ MotionCheckConfig read_motion_check_config(ConfigReader section) {
           .translation_sigma_m = section.positive("translation_sigma_m")};
 }
 
-CheckedMotion check_motion(const std::vector<Correspondence>& correspondences,
-                           const RectifiedStereo& stereo,
-                           const Pose& predicted_T_current_previous,
-                           const MotionCheckConfig& config) {
+RigidMotion estimate_rigid_motion(const std::vector<Correspondence>& correspondences,
+                                  const RectifiedStereo& stereo,
+                                  const Pose& predicted_T_current_previous,
+                                  const MotionCheckConfig& config) {
   Problem problem{correspondences, stereo, predicted_T_current_previous, config, {}};
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     if (correspondences[i].disparity > 0.0) problem.with_depth.push_back(i);
   }
-  CheckedMotion result;
+  RigidMotion result;
   result.has_translation = problem.with_depth.size() >= static_cast<std::size_t>(config.min_points);
   const Pose T = result.has_translation ? estimate_motion(problem) : search_direction(problem);
   for (const auto& c : correspondences) {

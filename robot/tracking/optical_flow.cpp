@@ -72,11 +72,11 @@ const cv::Mat& ImagePyramid::image(int level) const {
   return images_and_gradients_[2 * static_cast<std::size_t>(level)];
 }
 
-std::vector<std::optional<cv::Point2f>> follow(const ImagePyramid& from,
-                                               const ImagePyramid& to,
-                                               const std::vector<cv::Point2f>& points,
-                                               const std::vector<cv::Point2f>& start,
-                                               const OpticalFlowConfig& config) {
+std::vector<std::optional<cv::Point2f>> track_points(const ImagePyramid& from,
+                                                     const ImagePyramid& to,
+                                                     const std::vector<cv::Point2f>& points,
+                                                     const std::vector<cv::Point2f>& start,
+                                                     const OpticalFlowConfig& config) {
   auto result = follow_once(from, to, points, start, config);
   std::vector<std::size_t> indices;
   std::vector<cv::Point2f> moved;

@@ -14,9 +14,9 @@ struct OpticalFlowConfig {
   int levels;            ///< of the pyramids, beside the image itself; each halves the size
   int iterations;        ///< at most, per level
   double converged_px;   ///< step below which an iteration ends
-  double round_trip_px;  ///< a point must come back this close to where it started
+  double round_trip_px;  ///< forward-backward check: largest distance from the start
   double slope_sigma;    ///< by which the flow changes along its direction [px per px]
-  double slope_from_px;  ///< shorter flows are taken as they are
+  double slope_from_px;  ///< shorter flows are not refined
 };
 
 OpticalFlowConfig read_optical_flow_config(ConfigReader section);
@@ -39,14 +39,14 @@ class ImagePyramid {
   std::vector<cv::Mat> images_and_gradients_;  // of level 0, level 1, ...
 };
 
-/// Where the surroundings of `points` in `from` lie in `to` (Lucas and Kanade, pyramidal), one
-/// result per point; nothing for a point that gets lost, or is not found again on the way back.
+/// Tracks `points` of `from` to `to` [px] by pyramidal Lucas-Kanade, one result per point; nothing
+/// for a point that is lost or fails the forward-backward check.
 ///
-/// @param start  about where they lie, one per point; wrong by up to window_px / 2 * 2^levels
-std::vector<std::optional<cv::Point2f>> follow(const ImagePyramid& from,
-                                               const ImagePyramid& to,
-                                               const std::vector<cv::Point2f>& points,
-                                               const std::vector<cv::Point2f>& start,
-                                               const OpticalFlowConfig& config);
+/// @param start  initial guesses, one per point; may be off by window_px / 2 * 2^levels
+std::vector<std::optional<cv::Point2f>> track_points(const ImagePyramid& from,
+                                                     const ImagePyramid& to,
+                                                     const std::vector<cv::Point2f>& points,
+                                                     const std::vector<cv::Point2f>& start,
+                                                     const OpticalFlowConfig& config);
 
 }  // namespace fleetloc

@@ -17,7 +17,7 @@ class RectifiedCamera {
                   const Eigen::Quaterniond& R_body_cam,
                   const RectifiedStereo& stereo);
 
-  /// Nothing where the camera does not look into [0, kRectifiedSize).
+  /// Nothing where the result is outside of [0, kRectifiedSize).
   [[nodiscard]] std::optional<Eigen::Vector2d> rectify(const cv::Point2f& pixel) const;
 
   /// Nothing where the pixel would lie outside of the image.

@@ -37,7 +37,7 @@ bool is_inside(const cv::Mat& image, const cv::Point2f& point, float reach_px) {
 /// of brightness.
 using Unknowns = Eigen::Vector4f;
 
-/// A patch of the first image, with what each of its pixels says of the unknowns.
+/// A patch of the first image, with the Jacobians of its pixels.
 struct Template {
   std::array<float, kMaxPixels> gray{};
   std::array<Unknowns, kMaxPixels> J;

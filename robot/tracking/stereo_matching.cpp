@@ -140,7 +140,7 @@ std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
     points.push_back(query.left);
     starts.push_back(*start);
   }
-  const auto found = follow(left, right, points, starts, flow_);
+  const auto found = track_points(left, right, points, starts, flow_);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!found[k]) continue;
     const auto rectified =

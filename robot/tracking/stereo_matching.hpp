@@ -11,12 +11,12 @@ namespace fleetloc {
 
 struct StereoMatchingConfig {
   int levels;               ///< of the pyramids, for a start at a predicted disparity
-  double round_trip_px;     ///< left to right and back again
+  double round_trip_px;     ///< forward-backward check, left to right and back
   double row_error_px;      ///< largest difference of the rectified rows
   double min_disparity_px;  ///< farther points count as not seen by the right camera
-  double nearest_m;         ///< no point is nearer
+  double nearest_m;         ///< smallest possible depth
   double min_correlation;   ///< of the search without a prediction, 0 to 1
-  double slant_sigma;       ///< tangent of the angle by which a surface does not face the camera
+  double slant_sigma;       ///< tangent of the angle between surface normal and view
 };
 
 StereoMatchingConfig read_stereo_matching_config(ConfigReader section);
@@ -49,12 +49,12 @@ class StereoMatcher {
   [[nodiscard]] const RectifiedCamera& right_camera() const { return right_camera_; }
 
  private:
-  /// Coarse search along the row; 0 if nothing is alike.
+  /// Coarse search along the row; 0 if nothing correlates.
   [[nodiscard]] double search(const ImagePyramid& left,
                               const ImagePyramid& right,
                               const StereoQuery& query) const;
 
-  /// Along the row. The match itself where that does not succeed.
+  /// Refined along the row; `match` itself where that fails.
   [[nodiscard]] cv::Point2f refined(const ImagePyramid& left,
                                     const ImagePyramid& right,
                                     const StereoQuery& query,

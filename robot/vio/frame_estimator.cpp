@@ -15,13 +15,13 @@
 namespace fleetloc {
 namespace {
 
-// A state and its covariance relative to a keyframe whose pose counts as known.
+// A state and its covariance relative to a keyframe whose pose is taken as known.
 struct LocalState {
   NavState state;
   Matrix15d covariance;
 };
 
-// What is known of the keyframe apart from its pose.
+// The covariance of the keyframe with its pose taken as known.
 Matrix15d speed_bias_only(const Matrix15d& covariance) {
   Matrix15d result = Matrix15d::Zero();
   result.bottomRightCorner<9, 9>() = covariance.bottomRightCorner<9, 9>();
@@ -40,8 +40,8 @@ LocalState predicted(const NavState& keyframe,
   return {state, J_inverse * noise * J_inverse.transpose()};
 }
 
-// The window's landmarks in this frame. Their depths are not perfect, which shows the more the
-// farther the camera has moved from where it saw them last.
+// The window's landmarks in this frame. Their pixel sigma includes their depth error, which matters
+// more the farther the camera has moved since the newest keyframe.
 std::vector<KnownPoint> known_points(const TrackedFrame& frame,
                                      const WindowEstimate& window,
                                      const RectifiedStereo& stereo,
@@ -65,8 +65,8 @@ std::vector<KnownPoint> known_points(const TrackedFrame& frame,
 }
 
 // Moves a prediction to the minimum of its own error and the reprojection errors, by Gauss-Newton
-// in covariance form: d = -P E (I + H P_66)^-1 b. Of an
-// honest prediction and honest pixels, d^T P_66^-1 d is chi-square of 6 degrees at most.
+// in covariance form: d = -P E (I + H P_66)^-1 b. If prediction and pixel noise are consistent, d^T
+// P_66^-1 d is chi-square distributed with at most 6 degrees of freedom.
 struct Refinement {
   LocalState state;
   std::vector<LandmarkId> outliers;
@@ -82,7 +82,7 @@ Refinement refined(const LocalState& prediction,
   PoseSystem system;
   Matrix6d gain = Matrix6d::Zero();  // (I + H P)^-1
   for (int i = 0; i < config.iterations; ++i) {
-    // The first step keeps everything: the prediction may be off by more than an outlier's limit.
+    // The first step rejects nothing: the prediction may be off by more than the outlier limit.
     const double outlier_sigmas = i == 0 ? 1e9 : config.outlier_sigmas;
     system = linearize(
         points, stereo, result.state.state.T_odom_body, {config.huber_sigmas, outlier_sigmas});
@@ -189,14 +189,14 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
     result.estimate.covariance =
         with_keyframe(local, newest.state, window_->covariance.topLeftCorner<6, 6>());
   }
-  // Without images, or against them, the window has nothing to gain.
+  // Without observations, or with inconsistent ones, a keyframe adds nothing.
   const bool useful = static_cast<int>(frame.observations.size()) >= config_.min_tracked;
   result.wants_keyframe = useful && !result.vision_inconsistent &&
                           wants_keyframe(frame, result.estimate.state.T_odom_body.R);
   return result;
 }
 
-void FrameEstimator::keyframe_made(const TrackedFrame& frame, const NavState& state) {
+void FrameEstimator::set_reference_keyframe(const TrackedFrame& frame, const NavState& state) {
   reference_ = {frame, state.T_odom_body.R};
 }
 

@@ -12,7 +12,7 @@
 namespace fleetloc {
 
 /// A causal pose for every frame: inertial prediction from the newest keyframe of the latest
-/// window, refined by reprojection of the window's landmarks, which stay where they are.
+/// window, refined by reprojection errors of the window's landmarks, which are fixed.
 class FrameEstimator {
  public:
   struct Config {
@@ -21,7 +21,7 @@ class FrameEstimator {
     double huber_sigmas = 0.0;
     double outlier_sigmas = 0.0;
     int min_tracked = 0;  ///< observations of known landmarks for a refinement; any, for a keyframe
-    double max_correction_chi_square = 0.0;  ///< of the prediction's pose by vision, 6 degrees
+    double max_correction_chi_square = 0.0;  ///< of the predicted pose by vision, 6 DoF
     double max_outlier_share = 0.0;          ///< of `min_tracked` or more known landmarks
     double keyframe_parallax_px = 0.0;       ///< median, rotation taken out
     double keyframe_tracked_share = 0.0;  ///< of the last keyframe's landmarks; below: new keyframe
@@ -32,14 +32,13 @@ class FrameEstimator {
     OdometryEstimate estimate;
     bool wants_keyframe = false;
     int tracked = 0;                   ///< observations of known landmarks
-    std::vector<LandmarkId> outliers;  ///< of these, given up by the refinement; increasing
-    bool vision_updated =
-        false;  ///< vision refined the prediction; false: the estimate is inertial alone
-    /// Of what vision would correct; beyond the limit the images show something else than the
-    /// motion that the IMU felt, e.g. an image of long ago.
+    std::vector<LandmarkId> outliers;  ///< of these, rejected by the refinement; increasing
+    bool vision_updated = false;       ///< false: the estimate is the inertial prediction
+    /// Of the correction by vision; beyond the limit the images contradict the IMU, e.g. because
+    /// they are old.
     double correction_chi_square = 0.0;
-    bool vision_inconsistent =
-        false;  ///< it was beyond the limit, or too many landmarks were outliers
+    /// The correction was beyond the limit, or too many landmarks were outliers.
+    bool vision_inconsistent = false;
   };
 
   FrameEstimator(RectifiedStereo stereo, const ImuNoise& noise, const Config& config);
@@ -50,9 +49,9 @@ class FrameEstimator {
   /// not reach from there to the frame.
   std::optional<Result> estimate(const TrackedFrame& frame, const ImuBuffer& imu);
 
-  /// To be told of a frame that became a keyframe: from now on frames are compared with this one,
-  /// though the window does not know it yet.
-  void keyframe_made(const TrackedFrame& frame, const NavState& state);
+  /// After a frame became a keyframe: later frames are compared with it to select the next one,
+  /// before the window contains it.
+  void set_reference_keyframe(const TrackedFrame& frame, const NavState& state);
 
  private:
   // What the next frames are compared with: the last frame that became a keyframe.

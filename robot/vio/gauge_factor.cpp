@@ -14,15 +14,15 @@ Eigen::Matrix<double, 4, 6> yaw_and_position_jacobian(const Pose& T_odom_body) {
   return J;
 }
 
-GaugeFactor::GaugeFactor(Pose held, const PoseParameters* first_estimate)
-    : held_(std::move(held)), first_estimate_(first_estimate) {}
+GaugeFactor::GaugeFactor(Pose T_fixed, const PoseParameters* first_estimate)
+    : T_fixed_(std::move(T_fixed)), first_estimate_(first_estimate) {}
 
 bool GaugeFactor::Evaluate(const double* const* parameters,
                            double* residuals,
                            double** jacobians) const {
   const Pose T = pose_from(parameters[0]);
-  residuals[0] = log_so3(T.R * held_.R.conjugate()).z() / kSigma;
-  Eigen::Map<Eigen::Vector3d>{residuals + 1}.noalias() = (T.p - held_.p) / kSigma;
+  residuals[0] = log_so3(T.R * T_fixed_.R.conjugate()).z() / kSigma;
+  Eigen::Map<Eigen::Vector3d>{residuals + 1}.noalias() = (T.p - T_fixed_.p) / kSigma;
   if (jacobians != nullptr && jacobians[0] != nullptr) {
     const Pose at = first_estimate_ != nullptr ? pose_from(first_estimate_->data()) : T;
     RowMajorMap<4, 7> J(jacobians[0]);

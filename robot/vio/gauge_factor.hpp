@@ -6,25 +6,25 @@
 
 namespace fleetloc {
 
-/// Holds what a stereo-inertial window cannot know: yaw and position of one pose, softly enough to
-/// leave the system well scaled. It changes no estimate relative to that pose, and is never
+/// Fixes the gauge freedom of a stereo-inertial window, yaw and position of one pose, with a sigma
+/// that leaves the system well scaled. It changes no estimate relative to that pose, and is never
 /// marginalized. Residual: [yaw, position] / sigma. Parameters: T_odom_body (7).
 class GaugeFactor final : public ceres::SizedCostFunction<4, 7> {
  public:
   static constexpr double kSigma = 1e-3;  ///< [rad, m]
 
   /// @param first_estimate  where the Jacobian is taken; null: at the current value
-  explicit GaugeFactor(Pose held, const PoseParameters* first_estimate = nullptr);
+  explicit GaugeFactor(Pose T_fixed, const PoseParameters* first_estimate = nullptr);
   bool Evaluate(const double* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
 
  private:
-  Pose held_;
+  Pose T_fixed_;
   const PoseParameters* first_estimate_;
 };
 
-/// [yaw, position in odom] by the tangent of T_odom_body.
+/// [yaw, position in odom] with respect to the tangent of T_odom_body.
 Eigen::Matrix<double, 4, 6> yaw_and_position_jacobian(const Pose& T_odom_body);
 
 }  // namespace fleetloc

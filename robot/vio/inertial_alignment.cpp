@@ -13,7 +13,7 @@ namespace {
 constexpr int kGyroscopeIterations = 3;
 constexpr int kGravityIterations = 4;
 
-// From the difference between integrated and seen rotations.
+// From the difference between integrated and visual rotations.
 Eigen::Vector3d gyroscope_bias(std::span<const Pose> T_first_body,
                                const std::vector<Preintegration>& between) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
@@ -105,7 +105,7 @@ InertialAlignment align_inertially(std::span<const Pose> T_first_body,
       assemble(T_first_body, between, noise, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Identity());
   Eigen::VectorXd x = free.H.ldlt().solve(free.g);
   result.g_first = x.segment<3>(gravity);
-  result.free_gravity = result.g_first.norm();
+  result.estimated_gravity = result.g_first.norm();
   for (int i = 0; i < kGravityIterations; ++i) {
     result.g_first *= kGravity.norm() / result.g_first.norm();
     const Eigen::MatrixXd B = tangent_basis(result.g_first);

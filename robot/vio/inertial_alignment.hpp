@@ -8,13 +8,13 @@
 
 namespace fleetloc {
 
-/// What makes a visual trajectory a visual-inertial one. `first` is the frame of the trajectory,
-/// not aligned with gravity.
+/// Visual-inertial alignment of a visual trajectory (as in VINS-Mono). `first` is the frame of the
+/// trajectory, not aligned with gravity.
 struct InertialAlignment {
   ImuBias bias;
   Eigen::Vector3d g_first = Eigen::Vector3d::Zero();  ///< |g| = 9.81 [m/s^2]
   std::vector<Eigen::Vector3d> v_first;               ///< of body, at every pose [m/s]
-  double free_gravity = 0.0;                          ///< |g| when it is estimated as well
+  double estimated_gravity = 0.0;                     ///< |g| without the constraint [m/s^2]
 };
 
 struct AlignmentNoise {
@@ -22,6 +22,7 @@ struct AlignmentNoise {
   double accelerometer_bias_sigma = 0.0;  ///< about zero [m/s^2]
 };
 
+/// Gyroscope bias from the rotations, then velocities, gravity and accelerometer bias linearly.
 /// @param T_first_body  at the ends of `between`, at least three; scale known
 InertialAlignment align_inertially(std::span<const Pose> T_first_body,
                                    std::vector<Preintegration> between,

@@ -35,11 +35,11 @@ Initializer::Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, c
 std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
                                                std::span<const ImuSample> since_previous_frame) {
   if (!frames_.empty() && !continues(since_previous_frame)) {
-    start_over();
+    restart();
   }
   std::optional<Pose> T_first_body = odometry_.add(frame);
   if (!T_first_body.has_value()) {
-    start_over();
+    restart();
     status_ = Status::kVisionLost;
     T_first_body = odometry_.add(frame);
   }
@@ -50,9 +50,9 @@ std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
   }
   std::optional<Initialization> result = align();
   if (result.has_value()) {
-    start_over();
-    first_in_sight_ = true;  // of the next initialization
-  } else {                   // again after another interval
+    restart();
+    starts_at_first_frame_ = true;  // of the next initialization
+  } else {                          // next attempt after another interval
     const Timestamp last = frame.stamp;
     std::erase_if(frames_, [&](const Frame& old) {
       return to_seconds(last - old.frame.stamp) > config_.duration_s - config_.keyframe_interval_s;
@@ -66,13 +66,13 @@ bool Initializer::continues(std::span<const ImuSample> since_previous_frame) con
          since_previous_frame.front().stamp == frames_.back().frame.stamp;
 }
 
-void Initializer::start_over() {
+void Initializer::restart() {
   odometry_ = StereoOdometry(stereo_, config_.odometry);
   frames_.clear();
-  first_in_sight_ = false;
+  starts_at_first_frame_ = false;
 }
 
-// Backwards from the newest frame, which must be one.
+// Backwards from the newest frame, which is always chosen.
 std::vector<std::size_t> Initializer::choose_keyframes() const {
   std::vector<std::size_t> chosen{frames_.size() - 1};
   const auto max_frames = static_cast<std::size_t>(config_.window.keyframes);
@@ -119,7 +119,7 @@ std::optional<Initialization> Initializer::align() {
   if (status_ != Status::kInitialized) {
     return std::nullopt;
   }
-  if (first_in_sight_) {
+  if (starts_at_first_frame_) {
     result.T_first_newest = T_first_body.front() * inverse(result.states.front().T_odom_body) *
                             result.states.back().T_odom_body;
   }
@@ -127,7 +127,7 @@ std::optional<Initialization> Initializer::align() {
 }
 
 Initializer::Status Initializer::check(const InertialAlignment& alignment) const {
-  if (!(std::abs(alignment.free_gravity - kGravity.norm()) < config_.max_gravity_error)) {
+  if (!(std::abs(alignment.estimated_gravity - kGravity.norm()) < config_.max_gravity_error)) {
     return Status::kWrongGravity;
   }
   return plausible(alignment.bias) ? Status::kInitialized : Status::kWrongBias;
@@ -138,7 +138,7 @@ bool Initializer::plausible(const ImuBias& bias) const {
          bias.accelerometer.norm() < config_.max_accelerometer_bias;
 }
 
-// The window itself, as it will start.
+// Optimizes the initial window and checks its residuals.
 Initializer::Status Initializer::refine(Initialization& initialization) const {
   const SlidingWindow window(stereo_, noise_, config_.window, initialization);
   const WindowEstimate& estimate = window.estimate();

@@ -80,7 +80,7 @@ bool MarginalizationPrior::Evaluate(const double* const* parameters,
   return true;
 }
 
-NormalEquations without_leading(const NormalEquations& system, Eigen::Index count) {
+NormalEquations marginalize_leading(const NormalEquations& system, Eigen::Index count) {
   const Eigen::Index rest = system.H.rows() - count;
   const Eigen::VectorXd scale = diagonal_scale(system.H.topLeftCorner(count, count));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
@@ -122,7 +122,7 @@ Eigen::MatrixXd gauge_directions(const std::vector<PriorState>& states) {
   return N;
 }
 
-void remove_directions(const Eigen::MatrixXd& gauge, NormalEquations& system) {
+void project_out(const Eigen::MatrixXd& gauge, NormalEquations& system) {
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(gauge);
   const Eigen::MatrixXd Q =
       qr.householderQ() * Eigen::MatrixXd::Identity(gauge.rows(), gauge.cols());

@@ -11,7 +11,7 @@ template <typename Factor, int Rows>
 void add(const KnownPoint& point,
          const RectifiedStereo& stereo,
          const PoseParameters& pose,
-         const PoseKernel& kernel,
+         const RobustKernel& kernel,
          PoseSystem& system) {
   const Factor factor(point.observation, stereo, {point.pixel_sigma});
   const std::array<const double*, 2> parameters{pose.data(), point.p_odom.data()};
@@ -36,7 +36,7 @@ void add(const KnownPoint& point,
 PoseSystem linearize(std::span<const KnownPoint> points,
                      const RectifiedStereo& stereo,
                      const Pose& T_odom_body,
-                     const PoseKernel& kernel) {
+                     const RobustKernel& kernel) {
   const PoseParameters pose = to_parameters(T_odom_body);
   PoseSystem system;
   for (const KnownPoint& point : points) {

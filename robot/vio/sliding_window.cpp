@@ -15,7 +15,7 @@ namespace {
 
 constexpr Eigen::Index kState = 15;
 
-// What is known at the start, before any measurement: the size of the biases.
+// Prior before any measurement: biases around zero.
 std::unique_ptr<MarginalizationPrior> bias_prior(const GraphKeyframe& oldest,
                                                  const SlidingWindow::Config& config) {
   PriorState state{oldest.speed_bias.data(), Eigen::VectorXd::Zero(9)};
@@ -45,8 +45,9 @@ double tilt_sigma(const Pose& T_odom_body, const Eigen::Matrix3d& rotation_covar
   return std::sqrt(0.5 * (covariance_odom(0, 0) + covariance_odom(1, 1)));
 }
 
-// How the tangent of `state` moves when yaw and position of another pose do.
-Eigen::Matrix<double, 15, 4> moved_by(const Pose& T_odom_other, const NavState& state) {
+// Jacobian of `state` (tangent) with respect to yaw and position of another pose, moved as one.
+Eigen::Matrix<double, 15, 4> jacobian_by_yaw_and_position(const Pose& T_odom_other,
+                                                          const NavState& state) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Matrix3d R_body_odom = state.T_odom_body.R.toRotationMatrix().transpose();
   Eigen::Matrix<double, 15, 4> J = Eigen::Matrix<double, 15, 4>::Zero();
@@ -143,10 +144,10 @@ void SlidingWindow::State::append_predicted(const KeyframeInput& input) {
 
 WindowDiagnostics SlidingWindow::State::solve() {
   const TriangulationLimits limits{config.min_disparity_px, config.max_depth_m};
-  triangulate_others(graph, limits);
+  triangulate_inactive(graph, limits);
   WindowDiagnostics diagnostics = optimize(graph, config);
   diagnostics.outliers_removed = remove_outliers(graph, config);
-  triangulate_others(graph, limits);
+  triangulate_inactive(graph, limits);
   return diagnostics;
 }
 
@@ -177,18 +178,17 @@ void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
     row += kState;
   }
   estimate.inertial.oldest_covariance = covariance.block<9, 9>(6, 6);
-  // What came from the cloud has moved it, and its tilt and velocity would tell the submap.
+  // The cloud's corrections have moved it; its tilt and velocity must not carry them into submaps.
   NavState& oldest = estimate.inertial.states.front();
   oldest = retract(oldest, marginal.mean.head<kState>());
   estimate.landmarks = landmark_estimates(graph, config.noise.pixel_sigma);
-  const auto J =
-      moved_by(estimate.keyframes.front().state.T_odom_body, estimate.keyframes.back().state);
+  const auto J = jacobian_by_yaw_and_position(estimate.keyframes.front().state.T_odom_body,
+                                              estimate.keyframes.back().state);
   estimate.covariance =
       covariance.bottomRightCorner<kState, kState>() + J * oldest_drift * J.transpose();
 }
 
-// The next keyframe becomes the one that is held: what is not known of it relative to the oldest
-// adds to the drift.
+// The next keyframe becomes the fixed one: its covariance relative to the oldest adds to the drift.
 void SlidingWindow::State::slide(const Eigen::MatrixXd& covariance) {
   const Pose T_oldest = pose_from(graph.keyframes[0].pose.data());
   const Pose T_next = pose_from(graph.keyframes[1].pose.data());
@@ -220,7 +220,7 @@ SlidingWindow::SlidingWindow(const RectifiedStereo& stereo,
                              const Config& config,
                              const Initialization& initialization)
     : state_(std::make_unique<State>()) {
-  constexpr int kRounds = 2;  // outliers of the first spoil the second no more
+  constexpr int kRounds = 2;  // the second without the outliers of the first
   const auto& keyframes = initialization.keyframes;
   assert(keyframes.size() > 1 && keyframes.size() == initialization.states.size());
   state_->config = config;

@@ -20,7 +20,7 @@ struct KeyframeInput {
   std::optional<Correction> correction = std::nullopt;
 };
 
-/// Where a window starts from; see Initializer.
+/// Initial states of a window; see Initializer.
 struct Initialization {
   std::vector<KeyframeInput> keyframes;
   std::vector<NavState> states;  ///< of the keyframes
@@ -32,9 +32,9 @@ struct Initialization {
   Eigen::Matrix4d drift = Eigen::Matrix4d::Zero();
 };
 
-/// Optimizes the states of the latest keyframes and their landmarks: reprojection (paper, eq. 1),
-/// preintegration (eq. 2), random walk of the biases (eq. 3) and what is left of the keyframes and
-/// landmarks that have gone. Yaw and position of the oldest keyframe are held, nothing else is.
+/// Optimizes the states of the latest keyframes and their landmarks (paper, eq. 4; with corrections
+/// eq. 11): reprojection (eq. 1), preintegration (eq. 2), random walk of the biases (eq. 3) and the
+/// marginalization prior. Only yaw and position of the oldest keyframe are fixed.
 class SlidingWindow {
  public:
   struct Config {
@@ -47,7 +47,7 @@ class SlidingWindow {
     double max_depth_m = 0.0;               ///< landmarks farther away are not used
     double gyroscope_bias_sigma = 0.0;      ///< at the start, about zero [rad/s]
     double accelerometer_bias_sigma = 0.0;  ///< at the start, about zero [m/s^2]
-    bool merge = false;                     ///< what the cloud sends; else it is only counted
+    bool merge = false;                     ///< the cloud's corrections; else only count them
   };
 
   SlidingWindow(const RectifiedStereo& stereo,

@@ -10,7 +10,7 @@
 namespace fleetloc {
 
 /// Pose from frame to frame without the IMU: landmarks are triangulated from the first stereo pair
-/// that sees them and stay there; each new frame is aligned to those it sees by robust
+/// that sees them and then fixed; each new frame is aligned to those it sees by robust
 /// Gauss-Newton.
 class StereoOdometry {
  public:
@@ -24,8 +24,8 @@ class StereoOdometry {
   };
   StereoOdometry(RectifiedStereo stereo, const Config& config);
 
-  /// Body relative to the body at the first frame; nothing if too few landmarks agree, and the
-  /// odometry is then as it was before.
+  /// Body relative to the body at the first frame; nothing if there are too few inliers; the state
+  /// is then unchanged.
   std::optional<Pose> add(const TrackedFrame& frame);
 
  private:

@@ -19,20 +19,22 @@ Eigen::Vector3d ray(const StereoObservation& observation, const RectifiedStereo&
   return ray;
 }
 
-double depth(const Sight& sight, const RectifiedStereo& stereo, const Eigen::Vector3d& p_odom) {
-  return (inverse(sight.T_odom_body * stereo.T_body_cam0) * p_odom).z();
+double depth(const LandmarkView& view,
+             const RectifiedStereo& stereo,
+             const Eigen::Vector3d& p_odom) {
+  return (inverse(view.T_odom_body * stereo.T_body_cam0) * p_odom).z();
 }
 
 // The point nearest to all rays. The smallest eigenvalue of the sum of projectors is about half
 // the squared angle between two rays.
-std::optional<Eigen::Vector3d> intersect(std::span<const Sight> sights,
+std::optional<Eigen::Vector3d> intersect(std::span<const LandmarkView> views,
                                          const RectifiedStereo& stereo,
                                          double min_parallax_px) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const Sight& sight : sights) {
-    const Pose T_odom_cam0 = sight.T_odom_body * stereo.T_body_cam0;
-    const Eigen::Vector3d d = (T_odom_cam0.R * ray(sight.observation, stereo)).normalized();
+  for (const LandmarkView& view : views) {
+    const Pose T_odom_cam0 = view.T_odom_body * stereo.T_body_cam0;
+    const Eigen::Vector3d d = (T_odom_cam0.R * ray(view.observation, stereo)).normalized();
     const Eigen::Matrix3d P = Eigen::Matrix3d::Identity() - d * d.transpose();
     A += P;
     b += P * T_odom_cam0.p;
@@ -45,41 +47,41 @@ std::optional<Eigen::Vector3d> intersect(std::span<const Sight> sights,
   return A.ldlt().solve(b);
 }
 
-std::optional<Eigen::Vector3d> first_guess(std::span<const Sight> sights,
+std::optional<Eigen::Vector3d> first_guess(std::span<const LandmarkView> views,
                                            const RectifiedStereo& stereo,
                                            const TriangulationLimits& limits) {
-  const Sight* best = nullptr;
-  for (const Sight& sight : sights) {
-    if (sight.observation.disparity >= limits.min_disparity_px &&
-        (best == nullptr || sight.observation.disparity > best->observation.disparity)) {
-      best = &sight;
+  const LandmarkView* best = nullptr;
+  for (const LandmarkView& view : views) {
+    if (view.observation.disparity >= limits.min_disparity_px &&
+        (best == nullptr || view.observation.disparity > best->observation.disparity)) {
+      best = &view;
     }
   }
   if (best != nullptr) {
     return best->T_odom_body * triangulate(best->observation, stereo);
   }
-  return sights.size() > 1 ? intersect(sights, stereo, limits.min_disparity_px) : std::nullopt;
+  return views.size() > 1 ? intersect(views, stereo, limits.min_disparity_px) : std::nullopt;
 }
 
 // Gauss-Newton over the reprojection errors, poses fixed.
-Eigen::Vector3d refined(std::span<const Sight> sights,
+Eigen::Vector3d refined(std::span<const LandmarkView> views,
                         const RectifiedStereo& stereo,
                         Eigen::Vector3d p_odom) {
   for (int i = 0; i < kRefinements; ++i) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    for (const Sight& sight : sights) {
-      const PoseParameters pose = to_parameters(sight.T_odom_body);
+    for (const LandmarkView& view : views) {
+      const PoseParameters pose = to_parameters(view.T_odom_body);
       const std::array<const double*, 2> parameters{pose.data(), p_odom.data()};
       Eigen::Vector3d r = Eigen::Vector3d::Zero();
       Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J;
       J.setZero();
       std::array<double*, 2> jacobians{nullptr, J.data()};
-      if (sight.observation.disparity > 0.0) {
-        StereoReprojectionFactor(sight.observation, stereo, {})
+      if (view.observation.disparity > 0.0) {
+        StereoReprojectionFactor(view.observation, stereo, {})
             .Evaluate(parameters.data(), r.data(), jacobians.data());
       } else {
-        MonoReprojectionFactor(sight.observation, stereo, {})
+        MonoReprojectionFactor(view.observation, stereo, {})
             .Evaluate(parameters.data(), r.data(), jacobians.data());
       }
       H += J.transpose() * J;
@@ -97,18 +99,18 @@ Eigen::Vector3d triangulate(const StereoObservation& observation, const Rectifie
   return stereo.T_body_cam0 * (z * ray(observation, stereo));
 }
 
-std::optional<Eigen::Vector3d> triangulate(std::span<const Sight> sights,
+std::optional<Eigen::Vector3d> triangulate(std::span<const LandmarkView> views,
                                            const RectifiedStereo& stereo,
                                            const TriangulationLimits& limits) {
-  std::optional<Eigen::Vector3d> p_odom = first_guess(sights, stereo, limits);
+  std::optional<Eigen::Vector3d> p_odom = first_guess(views, stereo, limits);
   if (!p_odom.has_value()) {
     return std::nullopt;
   }
-  if (sights.size() > 1) {
-    p_odom = refined(sights, stereo, *p_odom);
+  if (views.size() > 1) {
+    p_odom = refined(views, stereo, *p_odom);
   }
-  for (const Sight& sight : sights) {
-    const double z = depth(sight, stereo, *p_odom);
+  for (const LandmarkView& view : views) {
+    const double z = depth(view, stereo, *p_odom);
     if (!(z > kMinDepth && z < limits.max_depth_m)) {
       return std::nullopt;
     }

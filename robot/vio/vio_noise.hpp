@@ -5,7 +5,7 @@
 
 namespace fleetloc {
 
-/// Measurement noise as the whole of the VIO assumes it.
+/// Measurement noise for all of the VIO.
 struct VioNoise {
   double pixel_sigma = 0.0;       ///< of u_left, v and u_right alike [px]
   double imu_white_factor = 0.0;  ///< on the noise densities of the IMU's sheet (vibration, ...)

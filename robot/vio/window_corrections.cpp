@@ -15,9 +15,9 @@ GraphKeyframe* keyframe_of(WindowGraph& graph, KeyframeId id) {
   return found != graph.keyframes.end() ? &*found : nullptr;
 }
 
-bool takes_part(const WindowGraph& graph, LandmarkId id) {
+bool is_active(const WindowGraph& graph, LandmarkId id) {
   const auto found = graph.landmarks.find(id);
-  return found != graph.landmarks.end() && found->second.takes_part();
+  return found != graph.landmarks.end() && found->second.is_active();
 }
 
 const PoseParameters* first_estimate_of(const GraphKeyframe& keyframe) {
@@ -50,7 +50,7 @@ MergeCount merge(const Correction& correction, WindowGraph& graph) {
   if (keyframe_of(graph, correction.anchor) != nullptr) {
     for (const Correction::Landmark& landmark : correction.landmarks) {
       assert(finite(landmark));
-      if (takes_part(graph, landmark.id)) {
+      if (is_active(graph, landmark.id)) {
         known.landmarks[landmark.id] = {correction.anchor, landmark};
         ++count.applied;
       }
@@ -68,9 +68,9 @@ MergeCount merge(const Correction& correction, WindowGraph& graph) {
   return count;
 }
 
-void forget_departed_corrections(WindowGraph& graph) {
+void drop_stale_corrections(WindowGraph& graph) {
   std::erase_if(graph.corrections.landmarks, [&graph](const auto& item) {
-    return keyframe_of(graph, item.second.anchor) == nullptr || !takes_part(graph, item.first);
+    return keyframe_of(graph, item.second.anchor) == nullptr || !is_active(graph, item.first);
   });
   std::erase_if(graph.corrections.relative_poses, [&graph](const auto& item) {
     return keyframe_of(graph, item.first.first) == nullptr ||

@@ -12,10 +12,10 @@ namespace fleetloc {
 struct WindowGraph;
 struct GraphFactor;
 
-/// What the cloud has said of the states of a window: one constraint for each landmark and for
-/// each pair of keyframes, from the newest answer that knew them. They take part in the
-/// optimization and in nothing else: the covariance, the prior and the submap hold what the robot
-/// has measured itself, for the cloud would otherwise be told its own map as news.
+/// The cloud's constraints on the states of a window: one e_pp per landmark and one e_rt per pair
+/// of keyframes, from the newest answer that contains them. They enter the optimization only:
+/// covariance, prior and submap are from the robot's own measurements, or the cloud would count its
+/// map twice.
 struct WindowCorrections {
   struct Landmark {
     KeyframeId anchor{};
@@ -30,18 +30,18 @@ struct WindowCorrections {
 
 struct MergeCount {
   int applied = 0;  ///< constraints that are in the window now
-  int ignored = 0;  ///< constraints between states that are not, or of an answer overtaken before
+  int ignored = 0;  ///< constraints on other states, or of an outdated answer
 };
 
 /// Number of its constraints.
 int size_of(const Correction& correction);
 
-/// Takes over what concerns keyframes of the window, and landmarks that take part in it. The
-/// correction must be finite and its informations positive semi-definite.
+/// Adds the constraints on keyframes and active landmarks of the window. The correction must be
+/// finite and its informations positive semi-definite.
 MergeCount merge(const Correction& correction, WindowGraph& graph);
 
-/// Drops what concerns keyframes and landmarks that have left the window.
-void forget_departed_corrections(WindowGraph& graph);
+/// Drops constraints on keyframes and landmarks that have left the window.
+void drop_stale_corrections(WindowGraph& graph);
 
 /// e_pp and e_rt; the number of residuals (three or six) tells them apart.
 std::vector<GraphFactor> correction_factors(WindowGraph& graph);

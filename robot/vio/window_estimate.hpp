@@ -21,11 +21,11 @@ struct WindowKeyframe {
 struct LandmarkEstimate {
   Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();
   int observations = 0;  ///< keyframes of the window that see it
-  double relative_depth_sigma =
-      0.0;  ///< sigma of depth / depth, from the newest observing keyframe
+  /// Sigma of depth / depth, from the newest observing keyframe.
+  double relative_depth_sigma = 0.0;
 };
 
-/// What one optimization of the window did.
+/// Summary of one optimization of the window.
 struct WindowDiagnostics {
   double initial_cost = 0.0;  ///< 0.5 * robust squared residuals
   double final_cost = 0.0;

@@ -21,14 +21,14 @@ GraphFactor inertial_factor(GraphKeyframe& first, GraphKeyframe& second) {
       {first.pose.data(), first.speed_bias.data(), second.pose.data(), second.speed_bias.data()}};
 }
 
-std::vector<Sight> sights_of(const WindowGraph& graph, LandmarkId id) {
-  std::vector<Sight> sights;
+std::vector<LandmarkView> views_of(const WindowGraph& graph, LandmarkId id) {
+  std::vector<LandmarkView> views;
   for (const GraphKeyframe& keyframe : graph.keyframes) {
     if (const StereoObservation* seen = find_observation(keyframe.observations, id)) {
-      sights.push_back({pose_from(keyframe.pose.data()), *seen});
+      views.push_back({pose_from(keyframe.pose.data()), *seen});
     }
   }
-  return sights;
+  return views;
 }
 
 }  // namespace
@@ -66,12 +66,12 @@ void append(WindowGraph& graph, GraphKeyframe keyframe) {
   graph.keyframes.push_back(std::move(keyframe));
 }
 
-void triangulate_others(WindowGraph& graph, const TriangulationLimits& limits) {
+void triangulate_inactive(WindowGraph& graph, const TriangulationLimits& limits) {
   for (auto& [id, landmark] : graph.landmarks) {
-    if (landmark.takes_part()) {
+    if (landmark.is_active()) {
       continue;
     }
-    const auto p_odom = triangulate(sights_of(graph, id), graph.stereo, limits);
+    const auto p_odom = triangulate(views_of(graph, id), graph.stereo, limits);
     landmark.triangulated = p_odom.has_value();
     if (p_odom.has_value()) {
       landmark.p_odom = {p_odom->x(), p_odom->y(), p_odom->z()};
@@ -106,7 +106,7 @@ std::vector<VisualFactor> visual_factors(WindowGraph& graph, double pixel_sigma)
     const PoseParameters* first = first_estimate_of(keyframe).pose;
     for (const StereoObservation& observation : keyframe.observations) {
       GraphLandmark& landmark = graph.landmarks.at(observation.landmark);
-      if (!landmark.takes_part()) {
+      if (!landmark.is_active()) {
         continue;
       }
       VisualFactor visual;

@@ -17,13 +17,13 @@
 
 namespace fleetloc {
 
-/// A keyframe as the optimizer sees it.
+/// Parameter blocks and measurements of a keyframe.
 struct GraphKeyframe {
   KeyframeId id{};
   Timestamp stamp;
   PoseParameters pose{};
   SpeedBiasParameters speed_bias{};
-  std::optional<PoseParameters> first_pose;  ///< once the prior speaks of it
+  std::optional<PoseParameters> first_pose;  ///< set once it is part of the prior
   std::optional<SpeedBiasParameters> first_speed_bias;
   std::vector<StereoObservation> observations;
   std::optional<Preintegration> from_previous;  ///< none for the first of a window
@@ -34,14 +34,14 @@ struct GraphLandmark {
   int observations = 0;  ///< keyframes of the window that see it
   bool triangulated = false;
 
-  /// One stereo observation determines a landmark and says nothing else.
-  [[nodiscard]] bool takes_part() const { return triangulated && observations > 1; }
+  /// Takes part in the optimization: one stereo observation alone does not constrain a pose.
+  [[nodiscard]] bool is_active() const { return triangulated && observations > 1; }
 };
 
-/// The states of a window and what is known of them.
+/// The factor graph of a window: states, measurements and prior.
 struct WindowGraph {
   RectifiedStereo stereo;
-  std::deque<GraphKeyframe> keyframes;  // a deque and a map: addresses stay
+  std::deque<GraphKeyframe> keyframes;  // deque and map: stable addresses
   std::map<LandmarkId, GraphLandmark> landmarks;
   std::unique_ptr<MarginalizationPrior> prior;
   WindowCorrections corrections;
@@ -53,13 +53,13 @@ NavState state_of(const GraphKeyframe& keyframe);
 const StereoObservation* find_observation(const std::vector<StereoObservation>& observations,
                                           LandmarkId id);
 
-/// One term of the cost; the parameters stand in the graph.
+/// One term of the cost; the parameters are owned by the graph.
 struct GraphFactor {
   std::unique_ptr<ceres::CostFunction> cost;
   std::vector<const double*> parameters;
 };
 
-/// A reprojection error and where it comes from.
+/// A reprojection error with its keyframe and landmark.
 struct VisualFactor {
   GraphFactor factor;
   std::size_t keyframe = 0;
@@ -73,36 +73,38 @@ ResidualBlock block_of(const MarginalizationPrior& prior);
 /// Adds a keyframe and counts its observations. New landmarks are not triangulated yet.
 void append(WindowGraph& graph, GraphKeyframe keyframe);
 
-/// Triangulates what takes no part in the optimization, at the current poses.
-void triangulate_others(WindowGraph& graph, const TriangulationLimits& limits);
+/// Triangulates the inactive landmarks at the current poses.
+void triangulate_inactive(WindowGraph& graph, const TriangulationLimits& limits);
 
 /// Preintegrates again where the bias has moved too far for a first-order correction.
 void relinearize_preintegrations(WindowGraph& graph);
 
-/// Joins each keyframe to its predecessor.
+/// An ImuFactor (paper, eq. 2 and 3) between consecutive keyframes.
 std::vector<GraphFactor> inertial_factors(WindowGraph& graph);
 
-/// Of all landmarks that take part.
+/// Reprojection errors (paper, eq. 1) of all active landmarks.
 std::vector<VisualFactor> visual_factors(WindowGraph& graph, double pixel_sigma);
 
-/// Ceres, Levenberg-Marquardt, with yaw and position of the oldest keyframe held. Corrections have
-/// the robust kernel of the reprojections, for a wrong association in the map shows in them.
+/// Minimizes the cost by Levenberg-Marquardt (Ceres), with yaw and position of the oldest keyframe
+/// fixed. Corrections have the robust kernel of the reprojection errors, because the cloud's
+/// association may be wrong.
 WindowDiagnostics optimize(WindowGraph& graph, const SlidingWindow::Config& config);
 
-/// Drops observations beyond `outlier_sigmas`, and landmarks that nobody sees any more.
+/// Drops observations beyond `outlier_sigmas`, and landmarks without observations. Returns the
+/// number of observations dropped.
 int remove_outliers(WindowGraph& graph, const SlidingWindow::Config& config);
 
-/// What the robot's own measurements say of all keyframes, 15 unknowns each (NavState's tangent at
-/// the current states), relative to yaw and position of the oldest. Without corrections.
+/// Marginal of all keyframes, 15 unknowns each (NavState's tangent at the current states), relative
+/// to yaw and position of the oldest, from the robot's own measurements: without corrections.
 struct OdometryMarginal {
   Eigen::MatrixXd covariance;
-  Eigen::VectorXd mean;  ///< where they alone would have the states, to first order
+  Eigen::VectorXd mean;  ///< their optimum from the current states, to first order
 };
 OdometryMarginal odometry_marginal(WindowGraph& graph, const SlidingWindow::Config& config);
 
-/// The oldest keyframe leaves: with the landmarks that it sees and the newest one does not, all
-/// their observations turn into the prior of the rest. Others lose their observation in it.
-/// Corrections that concern what leaves are dropped; none enters the prior.
+/// Marginalizes the oldest keyframe and the landmarks that it sees and the newest one does not: all
+/// their observations become the prior of the rest. Other landmarks lose their observation in it.
+/// Corrections on marginalized states are dropped; none enters the prior.
 void marginalize_oldest(WindowGraph& graph, const SlidingWindow::Config& config);
 
 }  // namespace fleetloc

@@ -5,7 +5,7 @@
 namespace fleetloc {
 namespace {
 
-// What turns into the prior: factors, and the unknowns that they touch.
+// The factors that become the prior, and their parameter blocks.
 struct LeavingPart {
   std::vector<GraphFactor> factors;
   std::vector<ResidualBlock> blocks;
@@ -34,7 +34,7 @@ LeavingPart leaving_part(WindowGraph& graph,
     }
   }
   for (const auto& [id, landmark] : graph.landmarks) {
-    if (landmark.takes_part() && leaves(graph, id)) {
+    if (landmark.is_active() && leaves(graph, id)) {
       part.landmarks.push_back(landmark.p_odom.data());
     }
   }
@@ -48,8 +48,8 @@ bool touched(const LeavingPart& part, const double* values) {
   });
 }
 
-// Poses, speeds and biases of the keyframes that stay and that the prior will speak of. They are
-// pinned: from now on every factor has its Jacobian where they are now.
+// Poses, speeds and biases of the remaining keyframes in the prior. Their first estimates are
+// fixed: from now on every factor takes its Jacobian at these values.
 std::vector<PriorState> pin_remaining(WindowGraph& graph, const LeavingPart& part) {
   std::vector<PriorState> states;
   const auto pin = [&](auto& values, auto& first) {
@@ -97,7 +97,7 @@ void forget_oldest(WindowGraph& graph) {
     });
   }
   std::erase_if(graph.landmarks, [](const auto& item) { return item.second.observations == 0; });
-  forget_departed_corrections(graph);
+  drop_stale_corrections(graph);
 }
 
 }  // namespace
@@ -111,9 +111,10 @@ void marginalize_oldest(WindowGraph& graph, const SlidingWindow::Config& config)
   for (const PriorState& state : states) {
     kept.push_back({state.values, state.tangent_size()});
   }
-  NormalEquations system = without_leading(schur_complement(part.blocks, kept, part.landmarks), 15);
+  NormalEquations system =
+      marginalize_leading(schur_complement(part.blocks, kept, part.landmarks), 15);
   move_to_first_estimates(states, system);
-  remove_directions(gauge_directions(states), system);
+  project_out(gauge_directions(states), system);
   graph.prior = std::make_unique<MarginalizationPrior>(std::move(states), system.H, system.g);
   forget_oldest(graph);
 }

@@ -13,7 +13,8 @@
 namespace fleetloc {
 namespace {
 
-// The kernel's width is meant for three residuals; six of the same size are longer by this.
+// The kernel's width is for three residuals; the norm of six of the same size is larger by this
+// factor.
 const double kPoseKernel = std::sqrt(2.0);
 
 GaugeFactor gauge_factor(const GraphKeyframe& oldest) {
@@ -41,13 +42,13 @@ ceres::Solver::Options solver_options(int iterations) {
   return options;
 }
 
-// A copy of all unknowns in one piece, in an order of its own. Ceres orders what it eliminates by
-// address, so that the sums of a run, and their rounding, would otherwise depend on the heap.
+// A copy of all unknowns in one contiguous block, in a fixed order. Ceres orders what it eliminates
+// by address, so that the sums of a run, and their rounding, would otherwise depend on the heap.
 class ContiguousStates {
  public:
   explicit ContiguousStates(WindowGraph& graph) {
     for (auto& [id, landmark] : graph.landmarks) {
-      if (landmark.takes_part()) {
+      if (landmark.is_active()) {
         add(landmark.p_odom.data(), landmark.p_odom.size());
       }
     }
@@ -182,7 +183,7 @@ int remove_outliers(WindowGraph& graph, const SlidingWindow::Config& config) {
     }
   }
   forget_unseen_landmarks(graph);
-  forget_departed_corrections(graph);
+  drop_stale_corrections(graph);
   return removed;
 }
 
@@ -208,13 +209,13 @@ OdometryMarginal odometry_marginal(WindowGraph& graph, const SlidingWindow::Conf
   }
   std::vector<const double*> points;
   for (const auto& [id, landmark] : graph.landmarks) {
-    if (landmark.takes_part()) {
+    if (landmark.is_active()) {
       points.push_back(landmark.p_odom.data());
     }
   }
   const NormalEquations system = schur_complement(blocks, kept, points);
   const ScaledCholesky cholesky(system.H);
-  if (!cholesky.regular()) {  // whoever compares with this takes it for diverged
+  if (!cholesky.regular()) {  // NaN fails every check: diverged
     constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
     return {Eigen::MatrixXd::Constant(system.H.rows(), system.H.cols(), kUnknown),
             Eigen::VectorXd::Constant(system.H.rows(), kUnknown)};

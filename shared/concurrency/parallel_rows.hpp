@@ -7,8 +7,8 @@
 
 namespace fleetloc {
 
-/// Calls `work(row)` once for each row in [0, rows), on so many threads. Rows must not depend on
-/// each other. An exception of `work` is thrown on, after the other rows.
+/// Calls `work(row)` once for each row in [0, rows), on `threads` threads. Rows must not depend on
+/// each other. An exception of `work` is rethrown after the other rows.
 template <typename Work>
 void for_each_row(int rows, int threads, const Work& work) {
   std::atomic<int> next = 0;

@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// Turns SIGINT and SIGTERM into a stop request. To be made before any other thread, which then
-/// inherits the blocked signals. SIGUSR1 is taken as well, and only wakes the thread.
+/// Turns SIGINT and SIGTERM into a stop request. Create it before any other thread, which then
+/// inherits the blocked signals. SIGUSR1 is blocked as well, and only wakes the thread.
 class Termination {
  public:
   Termination() {

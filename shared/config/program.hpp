@@ -56,7 +56,7 @@ class Program {
   /// The defaults, overlaid by the file of --config. Throws ConfigError.
   [[nodiscard]] ConfigReader config() const;
 
-  /// The command line as a comment of YAML, for a file that is to say how a result came about.
+  /// The command line as a YAML comment, for files that record how a result was made.
   [[nodiscard]] const std::string& command_line() const { return command_line_; }
 
   /// Reads the command line, then prepares, then runs what `prepare` returned.

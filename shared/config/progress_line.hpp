@@ -19,7 +19,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(std::size_t done, std::size_t total);
-  /// Makes way for other output.
+  /// Clears the line for other output.
   void clear();
 
  private:

@@ -8,8 +8,8 @@
 
 namespace fleetloc {
 
-/// Random numbers that depend on nothing but their place: the same seed, stream, index and item
-/// give the same number in every order of asking. SplitMix64 (Steele et al., 2014) as the hash.
+/// Counter-based random numbers: a function of seed, stream, index and item only, whatever the
+/// order of the calls. SplitMix64 (Steele et al., 2014) as the hash.
 class CounterRandom {
  public:
   CounterRandom(std::uint64_t seed, std::uint64_t stream) : key_(mix(mix(seed) ^ stream)) {}

@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// The value at `share` (0..1) of the sorted values, by nearest rank; nothing of nothing.
+/// The value at `share` (0..1) of the sorted values, by nearest rank; nothing without values.
 inline std::optional<double> percentile(std::vector<double> values, double share) {
   if (values.empty()) return std::nullopt;
   const auto rank = std::llround(share * static_cast<double>(values.size() - 1));

@@ -22,7 +22,7 @@ struct ImuFile {
   double rate_hz = 0.0;
 };
 
-/// A rotating lidar on the body. A revolution has `columns` moments, in each of which all rings
+/// A rotating lidar on the body. A revolution has `columns` firings, in each of which all rings
 /// measure at once.
 struct LidarCalibration {
   Pose T_body_lidar;
@@ -40,7 +40,7 @@ struct LidarCalibration {
 /// DatasetError.
 CameraFile read_camera_file(const std::filesystem::path& file);
 ImuFile read_imu_file(const std::filesystem::path& file);
-/// Its rig is the body, without detour.
+/// Its rig is the body.
 LidarCalibration read_lidar_file(const std::filesystem::path& file);
 
 /// The same as text, with numbers that are read back exactly.

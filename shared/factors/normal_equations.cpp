@@ -48,8 +48,8 @@ void add_products(const A& a, const B& b, double weight, Sum&& sum) {
 
 }  // namespace
 
-JointEquations::JointEquations(const std::vector<ParameterBlock>& kept,
-                               const std::vector<const double*>& eliminated_points)
+NormalEquationsBuilder::NormalEquationsBuilder(const std::vector<ParameterBlock>& kept,
+                                               const std::vector<const double*>& eliminated_points)
     : kept_(kept), points_(eliminated_points.size()) {
   int size = 0;
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -64,7 +64,7 @@ JointEquations::JointEquations(const std::vector<ParameterBlock>& kept,
   sums_.g = Eigen::VectorXd::Zero(size);
 }
 
-void JointEquations::add(const ResidualBlock& block) {
+void NormalEquationsBuilder::add(const ResidualBlock& block) {
   evaluate(block);
   const int rows = block.cost->num_residuals();
   const Eigen::Map<const Eigen::VectorXd> r(residuals_.data(), rows);
@@ -84,7 +84,7 @@ void JointEquations::add(const ResidualBlock& block) {
   accumulate(r, weight);
 }
 
-NormalEquations JointEquations::reduced() const {
+NormalEquations NormalEquationsBuilder::reduced() const {
   NormalEquations result = sums_;
   for (const PointEquations& point : points_) {
     const Eigen::Matrix3d inverse = pseudo_inverse(point.H);
@@ -103,7 +103,7 @@ NormalEquations JointEquations::reduced() const {
   return result;
 }
 
-void JointEquations::evaluate(const ResidualBlock& block) {
+void NormalEquationsBuilder::evaluate(const ResidualBlock& block) {
   const auto& sizes = block.cost->parameter_block_sizes();
   const int rows = block.cost->num_residuals();
   assert(sizes.size() == block.parameters.size());
@@ -120,7 +120,7 @@ void JointEquations::evaluate(const ResidualBlock& block) {
 }
 
 // Adds to the cost and returns rho', the weight of the block.
-double JointEquations::weighted_cost(const ceres::LossFunction* loss, double squared_norm) {
+double NormalEquationsBuilder::weighted_cost(const ceres::LossFunction* loss, double squared_norm) {
   std::array<double, 3> rho{squared_norm, 1.0, 0.0};
   if (loss != nullptr) {
     loss->Evaluate(squared_norm, rho.data());
@@ -129,7 +129,7 @@ double JointEquations::weighted_cost(const ceres::LossFunction* loss, double squ
   return rho[1];
 }
 
-void JointEquations::accumulate(const Eigen::Map<const Eigen::VectorXd>& r, double weight) {
+void NormalEquationsBuilder::accumulate(const Eigen::Map<const Eigen::VectorXd>& r, double weight) {
   for (const Slot& a : slots_) {
     if (a.place < 0) {
       PointEquations& point = points_[static_cast<std::size_t>(-1 - a.place)];
@@ -161,7 +161,7 @@ void JointEquations::accumulate(const Eigen::Map<const Eigen::VectorXd>& r, doub
 NormalEquations schur_complement(const std::vector<ResidualBlock>& blocks,
                                  const std::vector<ParameterBlock>& kept,
                                  const std::vector<const double*>& eliminated_points) {
-  JointEquations joint(kept, eliminated_points);
+  NormalEquationsBuilder joint(kept, eliminated_points);
   for (const ResidualBlock& block : blocks) joint.add(block);
   return joint.reduced();
 }

@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// One residual block and where its parameters stand. Nothing is owned.
+/// One residual block and pointers to its parameters. Owns nothing.
 struct ResidualBlock {
   const ceres::CostFunction* cost = nullptr;
   const ceres::LossFunction* loss = nullptr;  ///< null: quadratic
@@ -33,8 +33,8 @@ struct ParameterBlock {
   int tangent_size = 0;  ///< 6 for a pose
 };
 
-/// What there is to know of a point that is to be eliminated: its own block of H, its gradient, and
-/// its coupling to kept poses. Nothing else may share a factor with it.
+/// The terms of a point that is to be eliminated: its own block of H, its gradient, and its
+/// coupling to kept poses. Its factors may have no other parameters.
 struct PointEquations {
   using Columns = Eigen::Matrix<double, 6, 3>;
   struct Coupling {
@@ -46,12 +46,12 @@ struct PointEquations {
   std::vector<Coupling> couplings;
 };
 
-/// The sums behind NormalEquations, which grow block by block. What they stand for so far can be
-/// reduced to the kept parameters at any time.
-class JointEquations {
+/// Accumulates NormalEquations residual block by residual block. The sum so far can be reduced to
+/// the kept parameters at any time.
+class NormalEquationsBuilder {
  public:
-  JointEquations(const std::vector<ParameterBlock>& kept,
-                 const std::vector<const double*>& eliminated_points);
+  NormalEquationsBuilder(const std::vector<ParameterBlock>& kept,
+                         const std::vector<const double*>& eliminated_points);
 
   void add(const ResidualBlock& block);
 
@@ -64,7 +64,7 @@ class JointEquations {
  private:
   using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   struct Slot {
-    int place = 0;  // of a kept block; -1 - i: the i-th point
+    int place = 0;  // index of a kept block; -1 - i: the i-th point
     Eigen::Map<const Jacobian, 0, Eigen::OuterStride<>> J;
 
     template <int Size>
@@ -96,7 +96,7 @@ class JointEquations {
 };
 
 /// Order and offsets of the result follow `kept`. An eliminated point whose own block of H is
-/// singular (eigenvalue ratio below 1e-12) contributes only what its regular directions say.
+/// singular (eigenvalue ratio below 1e-12) contributes only in its regular directions.
 NormalEquations schur_complement(const std::vector<ResidualBlock>& blocks,
                                  const std::vector<ParameterBlock>& kept,
                                  const std::vector<const double*>& eliminated_points);

@@ -8,9 +8,9 @@
 
 namespace fleetloc {
 
-/// A pose as Ceres sees it: [qx qy qz qw px py pz].
+/// A pose as a Ceres parameter block: [qx qy qz qw px py pz].
 using PoseParameters = std::array<double, 7>;
-/// A landmark or another point as Ceres sees it: [x y z].
+/// A landmark or another point as a Ceres parameter block: [x y z].
 using PointParameters = std::array<double, 3>;
 
 PoseParameters to_parameters(const Pose& T);

@@ -4,8 +4,8 @@
 
 namespace fleetloc {
 
-/// Ends an optimization with the first step that lowered the cost by no more than a share of it.
-/// By its own function tolerance Ceres computes one step more, and drops it.
+/// Terminates an optimization after the first successful step whose relative cost decrease is at
+/// most `share`. With function_tolerance Ceres would compute one more step and discard it.
 class RelativeDecreaseTermination final : public ceres::IterationCallback {
  public:
   explicit RelativeDecreaseTermination(double share) : share_(share) {}

@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// What a factor needs to know of the rectified pair and its noise.
+/// Measurement noise of the rectified pair.
 struct StereoNoise {
   double pixel_sigma = 1.0;  ///< of u_left, v and u_right alike [px]
 };

@@ -4,7 +4,7 @@
 
 namespace fleetloc {
 
-/// Standard deviation in the direction in which it is greatest, of any unit. NaN for a covariance
+/// Largest sigma over all directions, in the unit of the covariance's root. NaN for a covariance
 /// that is not positive semi-definite.
 double max_sigma(const Eigen::Matrix3d& covariance);
 

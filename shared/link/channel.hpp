@@ -19,7 +19,7 @@ struct Message {
   Bytes payload;
 };
 
-/// What a channel has moved since it was made.
+/// Traffic of a channel since it was created.
 struct ChannelStatistics {
   std::uint64_t sent_messages = 0;
   std::uint64_t sent_payload_bytes = 0;
@@ -29,7 +29,7 @@ struct ChannelStatistics {
   std::uint64_t received_wire_bytes = 0;
 };
 
-/// One end of the network: of one robot, or of one localizer. The protocol above it must bear
+/// One end of the network: of one robot, or of one localizer. The protocol above it must tolerate
 /// loss, delay, reordering and duplication of messages. Time is passed in: an in-memory channel
 /// lives in it, a real network ignores it.
 class Channel {
@@ -39,8 +39,8 @@ class Channel {
   Channel(const Channel&) = delete;
   Channel& operator=(const Channel&) = delete;
 
-  /// @param partition  who is to hear it: the name of a localizer or the id of a robot; empty for
-  ///                   the topics that everyone hears (session, localizer status)
+  /// @param partition  the receiver: the name of a localizer or the id of a robot; empty for the
+  ///                   topics that everyone receives (session, localizer status)
   virtual void send(const std::string& partition, Message message, Timestamp now) = 0;
 
   /// What has arrived until `now`, in order of arrival; each message is returned once.
@@ -48,7 +48,7 @@ class Channel {
 
   [[nodiscard]] virtual ChannelStatistics statistics() const = 0;
 
-  /// Gives back what sending to this partition has taken, until something is sent to it again.
+  /// Frees the resources for sending to this partition, until something is sent to it again.
   virtual void release(const std::string& /*partition*/) {}
 };
 

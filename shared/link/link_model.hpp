@@ -12,7 +12,7 @@ namespace fleetloc {
 
 /// One direction of a link.
 struct LinkDirection {
-  double loss{};              ///< probability per datagram, each on its own
+  double loss{};              ///< probability per datagram, independent
   double delay_s{};           ///< one way
   double rate_bytes_per_s{};  ///< 0: unlimited
   std::size_t queue_bytes{};  ///< before the rate limit; what does not fit is dropped
@@ -32,15 +32,15 @@ LinkConfig read_link_config(ConfigReader config);
 /// No loss, no delay, no limit.
 LinkConfig perfect_link();
 
-/// Decides the fate of every datagram of one direction. The same seed and the same calls give the
-/// same fates. Order of the stages: finite queue, rate limit, loss, delay; so what is lost on the
-/// way has used the bottleneck, and what the queue refuses has not.
+/// Decides for each datagram of one direction whether and when it arrives; deterministic by seed
+/// and calls. Order of the stages: finite queue, rate limit, loss, delay; a lost datagram has used
+/// the bottleneck, one that the queue drops has not.
 class LinkModel {
  public:
   LinkModel(const LinkDirection& direction, std::uint64_t seed);
 
   /// When a datagram that is sent at `now` arrives; nothing if it never does.
-  /// @param now  not before that of the last call, else the queue is taken as it was then
+  /// @param now  not before that of the last call; an earlier one counts as that one
   std::optional<Timestamp> arrival(Timestamp now, std::size_t wire_bytes);
 
  private:

@@ -12,12 +12,12 @@ namespace fleetloc {
 /// same partitions, datagrams and header bytes, and nothing else (no discovery, no heartbeats).
 ///
 /// A robot's uplink carries what it sends, its downlink what it receives; every robot has a link of
-/// its own. A robot hears the localizations of its own partition and every localizer's status; a
-/// localizer hears every session, and the submaps and robot statuses of its own partition. Session
-/// and localizer status are reliable and transient-local: the last one of each sender is repeated
-/// until it has arrived at each who hears it, late joiners included. The rest is best effort.
+/// its own. A robot receives the localizations of its own partition and every localizer's status; a
+/// localizer receives every session, and the submaps and robot statuses of its own partition.
+/// Session and localizer status are reliable and transient-local: the last one of each sender is
+/// repeated until every receiver has it, late joiners included. The rest is best effort.
 ///
-/// Time is the largest that any call has named; repetitions happen while it advances. The same
+/// Time is the largest that was passed in; repetitions happen while it advances. The same
 /// calls give the same result. One thread.
 class MemoryNetwork {
  public:
@@ -26,7 +26,8 @@ class MemoryNetwork {
 
   explicit MemoryNetwork(const LinkConfig& link);
 
-  /// The ends; each leaves the network when it is destroyed, and may outlive this object.
+  /// The ends of the network; each leaves the network when it is destroyed, and may outlive this
+  /// object.
   std::unique_ptr<Channel> join_robot(const std::string& robot);
   std::unique_ptr<Channel> join_cloud(const std::string& localizer);
 

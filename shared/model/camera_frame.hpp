@@ -7,7 +7,7 @@
 
 namespace fleetloc {
 
-/// What the cameras gave at one instant: images, or what a front end made of them elsewhere.
+/// One stereo frame: images, or the observations that a front end has made of them.
 using CameraFrame = std::variant<StereoFrame, TrackedFrame>;
 
 inline Timestamp stamp_of(const CameraFrame& frame) {

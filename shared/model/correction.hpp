@@ -10,9 +10,9 @@
 
 namespace fleetloc {
 
-/// What the cloud's window knows of the robot's own (paper: e_rt and e_pp), as relative quantities:
-/// they hold however `odom` has moved. All information is only what the laser map has added; the
-/// rest is the robot's own measurements, which it has already.
+/// The cloud's corrections of the robot's window (paper, eq. 9 and 10) as relative quantities,
+/// which stay valid when `odom` is revised. All information is only what the laser map has added:
+/// the rest is the robot's own measurements.
 struct Correction {
   /// The error is Log(T_from_to^-1 * T_odom_from^-1 * T_odom_to), [rotation rad, translation m].
   struct RelativePose {

@@ -14,16 +14,16 @@ struct ImuSample {
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    ///< [m/s^2], +g upwards at rest
 };
 
-/// What is assumed of the motion while IMU samples are missing. All zero: intervals of any length
-/// are taken for measured.
+/// Model of the motion while IMU samples are missing. All zero: intervals of any length are
+/// integrated as measured.
 struct ImuGapModel {
-  /// Across longer intervals the readings are interpolated, as if their true values walked at
-  /// random from one end.
+  /// Across longer intervals the readings are interpolated, with their true values as a random walk
+  /// from one end.
   double bridged_from_s = 0.0;
   double angular_acceleration = 0.0;  ///< of that walk [rad/s^2/sqrt(Hz)]
   double jerk = 0.0;                  ///< of that walk [m/s^3/sqrt(Hz)]
-  /// Still longer ones tell nothing of the motion, nor does what follows: a pose is held, and
-  /// becomes uncertain as a robot of unknown constant velocity moves on (one sigma each axis).
+  /// After still longer ones the motion is unknown until the odometry is reset: the pose stays
+  /// constant, and its covariance grows as for an unknown constant velocity (one sigma each axis).
   double void_from_s = 0.0;
   double speed_sigma = 0.0;      ///< [m/s]
   double turn_rate_sigma = 0.0;  ///< [rad/s]
@@ -48,14 +48,14 @@ struct ImuBias {
 using Vector15d = Eigen::Matrix<double, 15, 1>;
 using Matrix15d = Eigen::Matrix<double, 15, 15>;
 
-/// What inertial navigation knows at one instant.
+/// State of inertial navigation at one instant.
 struct NavState {
   Pose T_odom_body;
   Eigen::Vector3d v_odom = Eigen::Vector3d::Zero();  ///< of body [m/s]
   ImuBias bias;
 };
 
-/// The state at `tangent` from `state`.
+/// state [+] tangent.
 inline NavState retract(const NavState& state, const Vector15d& tangent) {
   return {
       retract(state.T_odom_body, tangent.head<6>()),

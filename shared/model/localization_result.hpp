@@ -13,18 +13,18 @@ namespace fleetloc {
 /// The result of one localization; all but kLocalized and kNeedFull name a rejection.
 enum class LocalizationStatus {
   kLocalized,
-  kNeedFull,         ///< the localizer lost what earlier submaps told it
+  kNeedFull,         ///< the localizer has lost the earlier submaps
   kNoStartPose,      ///< the session has none, and search without a prior does not exist yet
   kTooFewKeyframes,  ///< connected to the newest one
   kNoMapCoverage,    ///< too few landmarks have map surface near them
   kTooFewMatches,    ///< too few matches survive the gate
   kNotConverged,     ///< the optimization failed or moved further than the prior allows
-  kPoorFit,          ///< what matches, matches badly
+  kPoorFit,          ///< the residuals of the matches are too large
   kDegenerate,       ///< the map does not constrain the pose well enough to be sent
-  kUnconfirmed,      ///< most of what the robot sees is new; it must drive on to be found
+  kUnconfirmed,      ///< the first pose is not confirmed yet; the robot must drive on
 };
 
-/// As it stands in logs and summaries, e.g. "too_few_matches".
+/// Name in logs and summaries, e.g. "too_few_matches".
 std::string_view name(LocalizationStatus status);
 
 /// Which samples the cloud has stored: every number below base, and base + i for every bit i.

@@ -11,9 +11,9 @@
 
 namespace fleetloc {
 
-/// Localizes submaps in the laser map. The robot holds only this: in production the far side of a
-/// network, in tests the cloud's own localizer in the same process. Answers come late, out of
-/// order or never. Time is passed in, so that every run can be replayed.
+/// Localizes submaps in the laser map. The robot's only interface to the cloud: in production a
+/// client on the network, in tests the cloud's localizer in the same process. Answers come late,
+/// out of order or never. Time is passed in, so that every run can be replayed.
 class MapLocalizer {
  public:
   MapLocalizer() = default;
@@ -21,7 +21,7 @@ class MapLocalizer {
   MapLocalizer(const MapLocalizer&) = delete;
   MapLocalizer& operator=(const MapLocalizer&) = delete;
 
-  /// Ends the session before it; submaps of a session count only after this.
+  /// Ends the session before it; submaps of a session are accepted only after this.
   virtual void start_session(const RobotSession& session, Timestamp now) = 0;
 
   virtual void submit(Submap submap, Timestamp now) = 0;
@@ -35,7 +35,7 @@ class MapLocalizer {
   /// An answer has been applied.
   virtual void note_applied() = 0;
 
-  /// The session's start pose, as it is known now: what another localizer would begin with.
+  /// The newest T_map_odom, with which another localizer would start the session.
   virtual void update_start(const MapOdomEstimate& start) = 0;
 };
 

@@ -8,15 +8,15 @@
 
 namespace fleetloc {
 
-/// What a pose is worth.
+/// Quality of a pose; what it means for driving: PoseFusion.
 enum class Quality {
   kInitializing,   ///< no pose yet
   kLocalized,      ///< answers of the cloud keep the map pose from drifting
-  kDeadReckoning,  ///< the map pose has been carried by odometry alone for some time
+  kDeadReckoning,  ///< the map pose is propagated by odometry alone for some time
   kLost,           ///< the map pose must not be used: answers contradict it, or there was none yet
 };
 
-/// As it stands in files, e.g. "dead_reckoning".
+/// Name in files, e.g. "dead_reckoning".
 std::string_view name(Quality quality);
 
 /// The robot's output, at IMU rate.

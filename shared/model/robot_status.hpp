@@ -9,7 +9,7 @@
 
 namespace fleetloc {
 
-/// What a robot says of itself.
+/// Status of a robot, for its localizer.
 struct RobotStatus {
   RobotId robot;
   SessionNumber session{};

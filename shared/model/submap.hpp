@@ -12,7 +12,7 @@
 
 namespace fleetloc {
 
-/// A keyframe as the cloud sees it: what it observed, and initial values.
+/// A keyframe for the cloud: observations, and initial values.
 struct SubmapKeyframe {
   KeyframeId id{};
   Revision revision{};  ///< of this item; the newest wins
@@ -33,17 +33,17 @@ struct VirtualEdge {
   Matrix6d information = Matrix6d::Identity();
 };
 
-/// Where the robot believes a landmark is: an initial value, never a measurement.
+/// The robot's estimate of a landmark: an initial value, never a measurement.
 struct SubmapLandmark {
   LandmarkId id{};
   Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< [m]
 };
 
-/// What a robot tells the cloud: the paper's "virtual observation".
+/// What a robot sends to the cloud: the paper's "virtual observation".
 struct Submap {
   RobotId robot;
   SessionNumber session{};
-  Incarnation incarnation{};              ///< of the localizer that is to count it
+  Incarnation incarnation{};              ///< of the receiving localizer
   SampleNumber number{};                  ///< +1 per sample sent
   std::vector<SubmapKeyframe> keyframes;  ///< oldest first, strictly increasing by id; not empty
   std::vector<VirtualEdge> edges;         ///< strictly increasing by `to`

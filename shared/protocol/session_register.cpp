@@ -65,7 +65,7 @@ SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now)
   return verdict_on_superseded(robot, session, now);
 }
 
-// A robot that resets its odometry leaves a session behind without another robot being there.
+// A session that its own robot has left by a reset of the odometry is no conflict.
 SessionVerdict SessionRegister::verdict_on_superseded(const Robot& robot,
                                                       const Session& superseded,
                                                       Timestamp now) const {

@@ -15,19 +15,19 @@ namespace fleetloc {
 
 class ConfigReader;
 
-/// What a message says of its robot's sessions.
+/// How a message relates to the current session of its robot.
 enum class SessionVerdict {
   kReplaces,  ///< the robot is new or was restarted, or its odometry was reset
-  kCurrent,   ///< of the session in force
+  kCurrent,   ///< of the current session
   kUnknown,   ///< of a session that was never announced, or whose announcement was lost
   kOutdated,  ///< of a session that was replaced: an old datagram
-  kConflict,  ///< the same, but its robot lives: two robots have one id
+  kConflict,  ///< the same, but still active: two robots have one id
 };
 
-/// Which session of each robot is in force. A later start of the program wins, and within one run
-/// of the program the higher session number: a restarted robot is accepted at once, and an old
-/// datagram brings nothing back. What a superseded session still sends a while later is a conflict.
-/// A session that has fallen silent gives way to any other: the robot's clock may have been set
+/// The current session of each robot. A later start of the program wins, and within one run of the
+/// program the higher session number: a restarted robot is accepted at once, and an old datagram
+/// restores nothing. Messages of a superseded session after `settling_s` are a conflict. A session
+/// that is silent for `silence_s` is replaced by any other: the robot's clock may have been set
 /// back.
 ///
 /// Announcements to other localizers count, too, so that every localizer comes to the same verdict.
@@ -35,8 +35,8 @@ class SessionRegister {
  public:
   struct Config {
     double settling_s;       ///< after a replacement: datagrams of the old session may arrive
-    double silence_s;        ///< then the session in force gives way to any other
-    std::size_t max_robots;  ///< beyond it, the one that was heard least recently is forgotten
+    double silence_s;        ///< then any other session replaces the current one
+    std::size_t max_robots;  ///< beyond it, the least recently heard one is dropped
   };
 
   explicit SessionRegister(const Config& config) : config_(config) {}
@@ -72,7 +72,7 @@ class SessionRegister {
   std::map<RobotId, Robot> robots_;
 };
 
-/// Verdicts as they stand in logs and sessions.json, e.g. "conflicting_session".
+/// Name in logs and sessions.json, e.g. "conflicting_session".
 std::string_view name(SessionVerdict verdict);
 
 SessionRegister::Config read_session_register_config(ConfigReader config);

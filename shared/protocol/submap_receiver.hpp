@@ -6,7 +6,7 @@
 
 namespace fleetloc {
 
-/// The localizer's end of one session's submap stream: says which samples are new and remembers
+/// The localizer's end of one session's submap stream: tells which samples are new and records
 /// which were stored. The acknowledgements cover the latest 64 sample numbers; what is older and
 /// was never stored is given up and counts as lost.
 class SubmapReceiver {

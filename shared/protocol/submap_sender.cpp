@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxInFlight = 256;  // answers to older samples time nothing any more
+constexpr std::size_t kMaxInFlight = 256;  // answers to older samples give no round trip
 
 }  // namespace
 

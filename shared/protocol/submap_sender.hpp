@@ -9,25 +9,25 @@
 
 namespace fleetloc {
 
-/// The robot's end of the submap stream towards one start of one localizer: numbers what is sent,
-/// and learns from the acknowledgements what arrived and how long that took. They count within one
+/// The robot's end of the submap stream towards one incarnation of one localizer: numbers the
+/// samples, and measures loss and round trip from the acknowledgements, which are valid within one
 /// session and incarnation.
 class SubmapSender {
  public:
-  /// Fills in what identifies the sample. `keyframe` of the newest item times the round trip.
+  /// Sets session, incarnation and number. The newest keyframe identifies the submap's answers.
   void prepare(Submap& submap, Timestamp now);
 
   /// Takes the acknowledgements of an answer; those of another session or incarnation are ignored.
   void acknowledge(const LocalizationResult& answer, Timestamp now);
 
-  /// A new session, or another start of a localizer, or another localizer: all acknowledgements are
-  /// void. Numbers start at zero with each session.
+  /// A new session, incarnation or localizer: all acknowledgements are discarded. Numbers start at
+  /// zero with each session.
   void restart(SessionNumber session, Incarnation incarnation);
 
   /// True if a submap with this newest keyframe was sent and has not been answered yet.
   [[nodiscard]] bool awaits(KeyframeId newest) const;
 
-  /// From a submap's sending to the first answer for its newest keyframe; the latest there was.
+  /// From sending a submap to the first answer for its newest keyframe; the latest measured.
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
 
   /// Share of the latest samples, up to 64, that should be acknowledged by now and are not.

@@ -28,8 +28,8 @@ void write_tum_line(std::ostream& stream, Timestamp stamp, const Pose& T_ref_bod
 /// trajectory.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
-/// The same for records whose stamps jitter: they may repeat and go back, and the poses come as
-/// they stand in the file.
+/// The same for records whose stamps jitter: they may repeat and go back; poses are in the order of
+/// the file.
 std::vector<StampedPose> read_poses_in_any_order(const std::filesystem::path& path);
 
 }  // namespace fleetloc

@@ -16,8 +16,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any program leaves
-constexpr std::size_t kMaxEvents = 100;       // nobody reads them
-constexpr milliseconds kLook{1000};           // at the network, without being told of a change
+constexpr std::size_t kMaxEvents = 100;       // further ones are dropped
+constexpr milliseconds kLook{1000};           // period of checks without a notification
 constexpr milliseconds kLookAgain{50};        // while it changes
 constexpr milliseconds kFirstLookup{500};     // of peers, that a program's start waits for
 
@@ -35,7 +35,7 @@ DdsChannel::DdsChannel(const Config& config)
       connection_(connect({.predecessor = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
-std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantStart& start) {
+std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& start) {
   return std::make_unique<DdsConnection>(
       config_, wire_, start, [this](std::optional<Message> message) {
         deliver(std::move(message));
@@ -53,7 +53,7 @@ void DdsChannel::send(const std::string& partition, Message message, Timestamp /
     destinations_.insert(destination);
     connected = connection_ != nullptr;
     sent = connected && connection_->writer(destination).write(&message.payload);
-    if (partition.empty()) kept_[destination] = std::move(message);
+    if (partition.empty()) last_reliable_[destination] = std::move(message);
   }
   const std::lock_guard lock(mutex_);
   ++statistics_.sent_messages;
@@ -80,7 +80,7 @@ ChannelStatistics DdsChannel::statistics() const {
 }
 
 void DdsChannel::release(const std::string& partition) {
-  if (partition.empty()) return;  // what everyone hears
+  if (partition.empty()) return;  // topics for everyone
   const std::lock_guard lock(sending_);
   std::erase_if(destinations_, [&](const Destination& one) { return one.second == partition; });
   if (connection_) connection_->release(partition);
@@ -139,10 +139,10 @@ void DdsChannel::watch(const std::stop_token& stop) {
   using Clock = ParticipantRecreationPolicy::Clock;
   const Participant& first = connection_->participant();
   const std::vector<std::string> whitelist = first.whitelist();
-  ParticipantStart start{.predecessor = first.identity(), .peers = first.peers()};
+  ParticipantOptions start{.predecessor = first.identity(), .peers = first.peers()};
   ParticipantRecreationPolicy policy(
       {.lease = first.lease(), .announcements = first.announcement_period()});
-  policy.made({.addresses = first.made_on(), .peers = first.peers()}, Clock::now());
+  policy.made({.addresses = first.bound_addresses(), .peers = first.peers()}, Clock::now());
   bool was_cut_off = false;
   while (!stop.stop_requested()) {
     const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
@@ -156,17 +156,17 @@ void DdsChannel::watch(const std::stop_token& stop) {
     const auto reason = policy.due(Clock::now());
     if (!reason || stop.stop_requested()) continue;
     start.peers = policy.peers();
-    if (renew(*reason, start)) {
+    if (recreate(*reason, start)) {
       const Participant& made = connection_->participant();
-      policy.made({.addresses = made.made_on(), .peers = made.peers()}, Clock::now());
+      policy.made({.addresses = made.bound_addresses(), .peers = made.peers()}, Clock::now());
     } else {
       policy.failed(Clock::now());
     }
   }
 }
 
-// The old one goes first: its ports are wanted again soon.
-bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
+// The old one is deleted first: the new one needs its ports.
+bool DdsChannel::recreate(const std::string& reason, ParticipantOptions& start) {
   std::unique_ptr<DdsConnection> old;
   std::set<Destination> destinations;
   {
@@ -179,7 +179,7 @@ bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
   try {
     try {
       fresh = connect(start);
-    } catch (const TransportError&) {  // perhaps because of the identity
+    } catch (const TransportError&) {  // possibly because of the identity
       fresh = connect({.predecessor = std::nullopt, .peers = start.peers});
     }
     start.predecessor = fresh->participant().identity();
@@ -193,7 +193,8 @@ bool DdsChannel::renew(const std::string& reason, ParticipantStart& start) {
     for (const Destination& destination : destinations) {
       if (!destinations_.contains(destination)) fresh->release(destination.second);
     }
-    for (auto& [destination, message] : kept_) fresh->writer(destination).write(&message.payload);
+    for (auto& [destination, message] : last_reliable_)
+      fresh->writer(destination).write(&message.payload);
     connection_ = std::move(fresh);
   }
   const std::lock_guard lock(mutex_);

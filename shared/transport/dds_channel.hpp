@@ -20,33 +20,32 @@
 
 namespace fleetloc {
 
-/// What a DdsChannel did not hand over, and what became of its participants.
+/// Losses of a DdsChannel, and recreations of its participant.
 struct ChannelDiagnostics {
-  std::uint64_t undecodable = 0;  ///< samples that are not what their type says
-  std::uint64_t overflowed =
-      0;                      ///< messages that nobody took for so long that newer ones did not fit
-  std::uint64_t refused = 0;  ///< samples that the QoS limits did not let out
-  std::uint64_t unsent = 0;   ///< messages for which there was no participant
-  std::uint64_t recreations = 0;  ///< participants made after the first
+  std::uint64_t undecodable = 0;  ///< samples that cannot be decoded
+  std::uint64_t overflowed = 0;   ///< messages dropped because the inbox was full
+  std::uint64_t refused = 0;      ///< samples rejected by the QoS limits of the writer
+  std::uint64_t unsent = 0;       ///< messages for which there was no participant
+  std::uint64_t recreations = 0;  ///< participants created after the first
   std::uint64_t malformed = 0;    ///< datagrams that are not RTPS
 };
 
 /// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics, partitions
-/// and who hears what are those of MemoryNetwork. Time is that of the network: `now` is ignored.
+/// and receivers are those of MemoryNetwork. Time is that of the network: `now` is ignored.
 ///
-/// A writer is created when its partition is first written to; until it has found its readers, best
-/// effort samples are lost, and the protocol above has to repeat what matters. Any thread may use
-/// any function.
+/// A writer is created when its partition is first written to; until it is matched with its
+/// readers, best effort samples are lost, and the protocol above has to repeat what matters. Any
+/// thread may use any function.
 ///
-/// When the addresses of this computer change, or the discovery server was started again, the
-/// participant is made anew behind this interface, on a thread of its own (see
-/// ParticipantRecreationPolicy). Statistics go on, what was received stays, session and localizer
-/// status are told again; what is sent meanwhile, for some tenths of a second, is lost.
+/// When the addresses of this computer change, or the discovery server was restarted, the
+/// participant is recreated behind this interface, on a thread of its own (see
+/// ParticipantRecreationPolicy). Statistics continue, received messages stay, session and localizer
+/// status are published again; what is sent meanwhile, for some tenths of a second, is lost.
 class DdsChannel final : public Channel {
  public:
-  using Config = DdsEnd;
+  using Config = DdsChannelConfig;
 
-  /// Needs load_qos_profiles() before. A TransportError says what is wrong.
+  /// Call load_qos_profiles() before. Throws TransportError.
   explicit DdsChannel(const Config& config);
   ~DdsChannel() override = default;
   DdsChannel(const DdsChannel&) = delete;
@@ -57,23 +56,23 @@ class DdsChannel final : public Channel {
   void send(const std::string& partition, Message message, Timestamp now) override;
   [[nodiscard]] std::vector<Message> receive(Timestamp now) override;
   [[nodiscard]] ChannelStatistics statistics() const override;
-  /// Disposes of the writers in a partition; the others leave their readers be.
+  /// Deletes the writers of a partition.
   void release(const std::string& partition) override;
 
-  /// Waits until receive() has something to give, at most for `patience`.
+  /// Waits for a message, at most for `patience`. False if there is none.
   bool wait_for_message(std::chrono::milliseconds patience);
 
-  /// How many readers hear what is sent to this partition; creates the writer.
+  /// Number of readers matched with the writer of this partition; creates the writer.
   int matched_readers(Topic topic, const std::string& partition);
   [[nodiscard]] ChannelDiagnostics diagnostics() const;
-  /// What has happened to the network since the last call, each a line for a log.
+  /// Changes of the network and the participant since the last call, each a line for a log.
   std::vector<std::string> take_events();
 
  private:
-  std::unique_ptr<DdsConnection> connect(const ParticipantStart& start);
+  std::unique_ptr<DdsConnection> connect(const ParticipantOptions& start);
   void deliver(std::optional<Message> message);
   void watch(const std::stop_token& stop);
-  bool renew(const std::string& reason, ParticipantStart& start);
+  bool recreate(const std::string& reason, ParticipantOptions& start);
   void note(std::string event);
 
   Config config_;
@@ -88,9 +87,9 @@ class DdsChannel final : public Channel {
   ChannelStatistics statistics_;  // without wire bytes
   std::mutex sending_;            // guards what follows; taken before mutex_
   std::set<Destination> destinations_;
-  std::map<Destination, Message> kept_;        // for those who come later
-  std::unique_ptr<DdsConnection> connection_;  // none while it is made anew
-  std::jthread watch_;                         // last: it uses all others
+  std::map<Destination, Message> last_reliable_;  // for late joiners after a recreation
+  std::unique_ptr<DdsConnection> connection_;     // none while it is recreated
+  std::jthread watch_;                            // last: it uses all others
 };
 
 }  // namespace fleetloc

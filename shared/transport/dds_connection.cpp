@@ -22,9 +22,9 @@ std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
 
 }  // namespace
 
-DdsConnection::DdsConnection(const DdsEnd& end,
+DdsConnection::DdsConnection(const DdsChannelConfig& end,
                              const std::shared_ptr<WireLink>& wire,
-                             const ParticipantStart& start,
+                             const ParticipantOptions& start,
                              Deliver deliver)
     : participant_(end.domain, end.participant_profile, wire, start),
       subscriptions_(subscribe(end)),
@@ -44,21 +44,21 @@ void DdsConnection::release(const std::string& partition) {
   std::erase_if(writers_, [&](const auto& item) { return item.first.second == partition; });
 }
 
-std::vector<DdsConnection::Subscription> DdsConnection::subscribe(const DdsEnd& end) {
+std::vector<DdsConnection::Subscription> DdsConnection::subscribe(const DdsChannelConfig& end) {
   if (!is_valid_id(end.name)) throw TransportError("not a valid name: '" + end.name + "'");
   std::vector<Subscription> subscriptions;
-  const auto hear = [&](Topic topic, const std::string& partition) {
+  const auto subscribe_to = [&](Topic topic, const std::string& partition) {
     auto reader = participant_.create_reader(topic_spec(topic), partition);
     subscriptions.push_back({.topic = topic, .reader = std::move(reader)});
   };
   if (end.role == ChannelRole::kRobot) {
-    hear(Topic::kLocalization, end.name);
-    hear(Topic::kCorrection, end.name);
-    hear(Topic::kLocalizerStatus, "");
+    subscribe_to(Topic::kLocalization, end.name);
+    subscribe_to(Topic::kCorrection, end.name);
+    subscribe_to(Topic::kLocalizerStatus, "");
   } else {
-    hear(Topic::kSession, "");
-    hear(Topic::kSubmap, end.name);
-    hear(Topic::kRobotStatus, end.name);
+    subscribe_to(Topic::kSession, "");
+    subscribe_to(Topic::kSubmap, end.name);
+    subscribe_to(Topic::kRobotStatus, end.name);
   }
   return subscriptions;
 }

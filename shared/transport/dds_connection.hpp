@@ -16,8 +16,8 @@
 
 namespace fleetloc {
 
-/// One end of the network, whatever becomes of the network.
-struct DdsEnd {
+/// Configuration of a DdsChannel: what stays the same when its connection is recreated.
+struct DdsChannelConfig {
   std::uint32_t domain;  ///< 0..100
   std::string participant_profile;
   ChannelRole role;
@@ -25,24 +25,23 @@ struct DdsEnd {
   std::optional<LinkConfig> link;  ///< emulated around this end, see WireLink
 };
 
-/// Where a writer writes.
+/// Topic and partition of a writer.
 using Destination = std::pair<Topic, std::string>;
 
 /// The part of a DdsChannel that does not survive a change of the network: a participant with the
-/// readers of its end, and the writers that were asked for. One thread at a time.
+/// readers of its end and the writers used so far. One thread at a time.
 class DdsConnection {
  public:
-  /// Is called from a thread of the connection; with nothing for a sample that is not what its type
-  /// says.
+  /// Called on a thread of the connection; with nothing for a sample that cannot be decoded.
   using Deliver = std::function<void(std::optional<Message>)>;
 
-  /// A TransportError says what is wrong.
-  DdsConnection(const DdsEnd& end,
+  /// Throws TransportError.
+  DdsConnection(const DdsChannelConfig& end,
                 const std::shared_ptr<WireLink>& wire,
-                const ParticipantStart& start,
+                const ParticipantOptions& start,
                 Deliver deliver);
 
-  /// Is created when it is first asked for.
+  /// Created on first use.
   eprosima::fastdds::dds::DataWriter& writer(const Destination& destination);
   void release(const std::string& partition);
 
@@ -54,7 +53,7 @@ class DdsConnection {
     EntityPtr<eprosima::fastdds::dds::DataReader> reader;
   };
 
-  std::vector<Subscription> subscribe(const DdsEnd& end);
+  std::vector<Subscription> subscribe(const DdsChannelConfig& end);
   bool take(eprosima::fastdds::dds::DataReader& reader);
 
   Participant participant_;

@@ -22,7 +22,7 @@ class DelayLine {
 
   void at(Clock::time_point time, std::function<void()> action);
 
-  /// Forgets what is still to come. No action runs after it has returned, also of later calls.
+  /// Drops pending actions. After it has returned no action runs, nor any that is added later.
   void stop();
 
  private:

@@ -9,18 +9,18 @@
 namespace fleetloc {
 
 /// Loads the profiles of one network for the whole process. A file that is missing, has an error or
-/// a profile name that is taken is a TransportError. Participants of this process will talk over
-/// the network as those of different ones do: otherwise Fast DDS would pass by their transports.
+/// a profile name that is taken is a TransportError. Turns off intraprocess delivery, which would
+/// bypass the transports of participants in this process.
 ///
 /// Beyond what Fast DDS knows:
 /// - `<dds xmlns:fleetloc="fleetloc" fleetloc:based_on="lan.xml">`: the profiles of that file, in
 ///   the same folder, but for those that this file defines.
 /// - The addresses of a participant's initial peers and discovery servers may be host names. They
-///   are looked up when a participant is made, not when the file is loaded: a host that is not
-///   there yet, or has moved, is no error.
+///   are resolved when a participant is created, not when the file is loaded: a host that is not
+///   known yet, or has moved, is no error.
 void load_qos_profiles(const std::filesystem::path& file);
 
-/// Of a loaded participant profile.
+/// Peers and discovery servers of a loaded participant profile.
 std::vector<NamedPeer> named_peers(const std::string& participant_profile);
 
 }  // namespace fleetloc

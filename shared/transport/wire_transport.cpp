@@ -43,7 +43,7 @@ std::uint32_t address_of(const rtps::Locator_t& locator) {
   return address;
 }
 
-PeerAddressFilter::Place place_of(const rtps::Locator_t& locator) {
+PeerAddressFilter::Locator locator_of(const rtps::Locator_t& locator) {
   return {.address = address_of(locator), .port = locator.port};
 }
 
@@ -115,12 +115,12 @@ class Transport final : public fdr::ChainingTransport {
     if (delay_line_) delay_line_->stop();
   }
 
-  // Fast DDS sends to every address of a participant. What is for one on a network that cannot be
-  // reached from here never leaves this computer, nor what would come twice.
+  // Fast DDS sends to every address of a participant. A datagram to an unreachable network never
+  // leaves this computer, nor one that would arrive twice.
   [[nodiscard]] bool leaves(const rtps::Locator_t& to,
-                            std::span<const PeerAddressFilter::Place> destinations) const {
+                            std::span<const PeerAddressFilter::Locator> destinations) const {
     if (rtps::IPLocator::isMulticast(to)) return true;
-    return !link_->is_superfluous(place_of(to), destinations) &&
+    return !link_->is_redundant(locator_of(to), destinations) &&
            has_route(rtps::IPLocator::toIPv4string(to));
   }
 
@@ -151,15 +151,15 @@ bool Transport::send(rtps::SenderResource* socket,
   rtps::SenderResource* none = nullptr;
   first_socket_.compare_exchange_strong(none, socket);  // they are called in their order
   std::vector<rtps::Locator_t> wanted;                  // the iterators are valid in this call only
-  std::vector<PeerAddressFilter::Place> places;
+  std::vector<PeerAddressFilter::Locator> locators;
   for (; *begin != *end; ++*begin) {
     if (!IsLocatorSupported(**begin)) continue;
     wanted.push_back(**begin);
-    places.push_back(place_of(**begin));
+    locators.push_back(locator_of(**begin));
   }
   fdr::LocatorList destinations;
   for (const rtps::Locator_t& to : wanted) {
-    if (!leaves(to, places)) continue;
+    if (!leaves(to, locators)) continue;
     destinations.push_back(to);
     if (counts(socket)) link_->count_sent(buffer, size);
   }
@@ -178,14 +178,14 @@ bool Transport::send(rtps::SenderResource* socket,
   return true;
 }
 
-// Here Fast DDS says whose addresses they are; it asks again whenever they change.
+// Called by Fast DDS with the addresses of each participant, again whenever they change.
 void Transport::select_locators(rtps::LocatorSelector& selector) const {
   ChainingTransport::select_locators(selector);
   for (const rtps::LocatorSelectorEntry* entry : selector.transport_starts()) {
     GuidPrefix participant{};
     std::ranges::copy(entry->remote_guid.guidPrefix.value, participant.begin());
     for (const rtps::Locator_t& locator : entry->unicast) {
-      if (IsLocatorSupported(locator)) link_->note_announced(participant, place_of(locator));
+      if (IsLocatorSupported(locator)) link_->note_announced(participant, locator_of(locator));
     }
   }
 }
@@ -278,15 +278,15 @@ bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
 }
 
 void WireLink::note_announced(const GuidPrefix& participant,
-                              const PeerAddressFilter::Place& place) {
+                              const PeerAddressFilter::Locator& locator) {
   const std::lock_guard lock(mutex_);
-  addresses_.announced(participant, place, Clock::now());
+  addresses_.announced(participant, locator, Clock::now());
 }
 
-bool WireLink::is_superfluous(const PeerAddressFilter::Place& place,
-                              std::span<const PeerAddressFilter::Place> destinations) const {
+bool WireLink::is_redundant(const PeerAddressFilter::Locator& locator,
+                            std::span<const PeerAddressFilter::Locator> destinations) const {
   const std::lock_guard lock(mutex_);
-  return addresses_.is_superfluous(place, destinations, Clock::now());
+  return addresses_.is_redundant(locator, destinations, Clock::now());
 }
 
 WireTraffic WireLink::traffic() const {

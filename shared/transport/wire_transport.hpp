@@ -20,7 +20,7 @@ namespace fleetloc {
 /// Which end of its link a participant is.
 enum class ChannelRole { kRobot, kCloud };
 
-/// At the IP level, with all headers, and with the meta traffic of DDS.
+/// Traffic at the IP level, with all headers, and with the meta traffic of DDS.
 struct WireTraffic {
   std::uint64_t sent_bytes = 0;      ///< before the emulated link
   std::uint64_t received_bytes = 0;  ///< behind it
@@ -29,8 +29,8 @@ struct WireTraffic {
   std::uint64_t malformed_datagrams = 0;  ///< not RTPS: dropped, and in none of the above
 };
 
-/// What a participant and those that take its place send and receive, and the link that is emulated
-/// around them. Any thread.
+/// Counts the traffic of a participant and its successors, and emulates a link around them. Any
+/// thread may use any function.
 ///
 /// The link is that of a robot, at whichever end it is emulated: a robot's participant puts what it
 /// sends on the uplink and what it receives on the downlink, a localizer's the other way round, for
@@ -42,12 +42,12 @@ class WireLink {
   WireLink(ChannelRole role, const std::optional<LinkConfig>& link);
 
   /// To be called before each participant is made.
-  /// @param servers  those of discovery, which it will be a client of
+  /// @param servers  discovery servers of which it will be a client
   void begin_participant(const std::set<GuidPrefix>& servers);
 
   [[nodiscard]] bool is_emulated() const { return outgoing_.has_value(); }
 
-  /// When it leaves or reaches this computer; nothing if it is lost.
+  /// Time at which a datagram leaves or reaches this computer; nothing if it is lost.
   std::optional<Clock::time_point> outgoing_at(std::uint32_t datagram_bytes);
   std::optional<Clock::time_point> incoming_at(std::uint32_t datagram_bytes);
 
@@ -59,12 +59,12 @@ class WireLink {
   [[nodiscard]] bool is_own(const std::uint8_t* datagram, std::uint32_t bytes) const;
 
   /// See PeerAddressFilter.
-  void note_announced(const GuidPrefix& participant, const PeerAddressFilter::Place& place);
-  [[nodiscard]] bool is_superfluous(const PeerAddressFilter::Place& place,
-                                    std::span<const PeerAddressFilter::Place> destinations) const;
+  void note_announced(const GuidPrefix& participant, const PeerAddressFilter::Locator& locator);
+  [[nodiscard]] bool is_redundant(const PeerAddressFilter::Locator& locator,
+                                  std::span<const PeerAddressFilter::Locator> destinations) const;
 
   [[nodiscard]] WireTraffic traffic() const;
-  /// A discovery server was started again since begin_participant().
+  /// A discovery server was restarted since begin_participant().
   [[nodiscard]] bool has_server_restarted() const;
 
  private:

@@ -15,13 +15,13 @@
 namespace fleetloc {
 
 /// A positive semi-definite matrix in bytes; see correction.idl. What is decoded is positive
-/// semi-definite, too. Entries of R are cut towards zero, by up to 1/127 of their scale: directions
-/// without information stay nearly so.
+/// semi-definite, too. Entries of R are truncated towards zero, by up to 1/127 of their scale:
+/// directions without information stay nearly so.
 template <int N>
 struct CompactRoot {
   static constexpr std::size_t kScales = N / 3;
   static constexpr std::size_t kEntries = N * (N + 1) / 2;
-  static constexpr int kLargestScale = 240;  // 1e9: 1 nrad, 1 nm
+  static constexpr int kMaxScale = 240;  // 1e9: 1 nrad, 1 nm
 
   std::array<std::uint8_t, kScales> scales{};
   std::array<std::uint8_t, kEntries> entries{};
@@ -67,7 +67,7 @@ CompactRoot<N> CompactRoot<N>::of(const Matrix& matrix) {
   for (int group = 0; group < N / 3; ++group) {
     const double longest = R.template middleCols<3>(3 * group).colwise().norm().maxCoeff();
     const double exponent = std::ceil(8.0 * std::log2(std::max(longest, 1.0)) - kTolerance);
-    if (exponent > kLargestScale) throw NotEncodable("an information that is out of range");
+    if (exponent > kMaxScale) throw NotEncodable("an information that is out of range");
     out.scales[static_cast<std::size_t>(group)] = static_cast<std::uint8_t>(exponent);
   }
   auto next = out.entries.begin();
@@ -99,7 +99,7 @@ typename CompactRoot<N>::Matrix CompactRoot<N>::squared() const {
 
 template <int N>
 Defect CompactRoot<N>::defect() const {
-  if (std::ranges::any_of(scales, [](int scale) { return scale > kLargestScale; }) ||
+  if (std::ranges::any_of(scales, [](int scale) { return scale > kMaxScale; }) ||
       std::ranges::count(entries, std::uint8_t{0}) > 0 ||
       unscaled().colwise().norm().maxCoeff() > 1.0 + kTolerance) {
     return Malformed::kOutOfRange;

@@ -80,7 +80,7 @@ Defect defect_of_poses(const wire::Correction& sample) {
 }
 
 Defect defect_of_landmarks(const wire::Correction& sample) {
-  constexpr auto kMax = static_cast<int>(kFarthestCorrectedMetres * kLandmarkUnitsPerMetre);
+  constexpr auto kMax = static_cast<int>(kMaxCorrectedMetres * kLandmarkUnitsPerMetre);
   for (const int value : sample.landmark_position()) {
     if (std::abs(value) > kMax) return Malformed::kOutOfRange;
   }
@@ -145,7 +145,7 @@ Bytes encoded(const Correction& correction, const std::vector<Correction::Landma
   sample.anchor(static_cast<std::uint32_t>(correction.anchor));
   append_poses(correction, sample);
   append_landmarks(landmarks, sample);
-  expect_encodable(defect_of_sample(sample), "correction");  // what the receiver would say
+  expect_encodable(defect_of_sample(sample), "correction");  // as the receiver checks it
   return to_cdr(sample);
 }
 

@@ -15,8 +15,8 @@
 /// What several types have in common: conversions, which expect a field without defect, and checks.
 namespace fleetloc {
 
-/// Farther away nothing is believed [m]; geocentric coordinates still fit.
-inline constexpr double kFarthest = 1e8;
+/// Larger coordinates are rejected [m]; geocentric ones still fit.
+inline constexpr double kMaxCoordinate = 1e8;
 
 wire::Vector3 to_wire(const Eigen::Vector3d& vector);
 wire::Pose to_wire(const Pose& T);
@@ -40,8 +40,8 @@ constexpr Timestamp stamp_from_wire(std::int64_t ns) {
   return Timestamp{Duration{ns}};
 }
 
-Defect defect(double value, double min, double max);  ///< finite and within [least, most]
-Defect defect(const wire::Vector3& vector, double max = kFarthest);
+Defect defect(double value, double min, double max);  ///< finite and within [min, max]
+Defect defect(const wire::Vector3& vector, double max = kMaxCoordinate);
 Defect defect(const wire::Pose& T);
 Defect defect(std::span<const float, 21> square_root);
 Defect defect(const wire::SquareRoot6& matrix);

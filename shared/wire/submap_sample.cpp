@@ -21,7 +21,7 @@ constexpr std::size_t kMaxLandmarks = 8192;
 constexpr std::size_t kMaxObservations = 16384;
 
 constexpr double kUnitNormTolerance = 1e-6;
-constexpr double kLargestTilt_rad = 3.15;  // half a turn says nothing
+constexpr double kLargestTilt_rad = 3.15;  // pi: not measured
 constexpr double kFarthestLandmark_m = 1e6;
 
 template <typename Column>

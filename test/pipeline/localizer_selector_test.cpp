@@ -38,7 +38,7 @@ class LocalizerSelectorTest : public testing::Test {
     for (; now_s_ < until_s; now_s_ += 0.1) {
       const Timestamp now = at(now_s_);
       for (const auto& [name, localizer] : localizers_) {
-        if (localizer.lives) selector_.hear(status(name, localizer), now);
+        if (localizer.lives) selector_.update(status(name, localizer), now);
       }
       const Change change = selector_.decide(now, {.round_trip = std::chrono::milliseconds(200)});
       if (change != Change::kNone) changes_.push_back(change);
@@ -143,8 +143,8 @@ TEST_F(LocalizerSelectorTest, NamesTwoLiveLocalizersWithOneNameAndKeepsTheLaterO
   std::set<std::string_view> reasons;
   for (int second = 0; second < 20; ++second) {
     const double s = second;
-    EXPECT_FALSE(selector_.hear(status("a", {.incarnation = 5}), at(s)));
-    const auto reason = selector_.hear(status("a", {.incarnation = 4}), at(s + 0.5));
+    EXPECT_FALSE(selector_.update(status("a", {.incarnation = 5}), at(s)));
+    const auto reason = selector_.update(status("a", {.incarnation = 4}), at(s + 0.5));
     ASSERT_TRUE(reason.has_value());
     EXPECT_EQ(*reason, second == 0 ? "outdated_localizer" : "conflicting_localizer");
     selector_.decide(at(s + 0.6), {});
@@ -155,7 +155,7 @@ TEST_F(LocalizerSelectorTest, NamesTwoLiveLocalizersWithOneNameAndKeepsTheLaterO
 TEST_F(LocalizerSelectorTest, KeepsToItsMapUntilThatReturns) {
   localizers_["a"] = {.map = 1};
   play(5.0);
-  selector_.keep_to({1});
+  selector_.require_map({1});
   localizers_["a"] = {.incarnation = 2, .map = 2};
   play(10.0);
   EXPECT_EQ(selector_.name(), "");
@@ -195,7 +195,7 @@ TEST_F(LocalizerSelectorTest, SpreadsAFleetOverEquallyLoadedLocalizers) {
   std::map<std::string, int> robots;
   for (int i = 0; i < 300; ++i) {
     LocalizerSelector selector("robot_" + std::to_string(i), config());
-    for (const char* name : {"a", "b", "c"}) selector.hear(status(name, {}), at(0));
+    for (const char* name : {"a", "b", "c"}) selector.update(status(name, {}), at(0));
     selector.decide(at(0), {});
     ++robots[selector.name()];
   }

@@ -130,7 +130,7 @@ TEST_F(ParticipantRecreationPolicyTest, MakesOneASecondAtMostWhileAddressesComeA
   EXPECT_LE(recreations, 41);  // in 40 s
 }
 
-FoundPeers server_at(const std::string& address) {
+ResolvedPeers server_at(const std::string& address) {
   return {
       {.peer = {.host = "discovery", .port = 11811, .server_prefix = "44"}, .address = address}};
 }

@@ -25,70 +25,70 @@ class PeerAddressFilterTest : public testing::Test {
     }
   }
 
-  [[nodiscard]] bool is_superfluous(std::uint32_t address) const {
-    return known_.is_superfluous({address, kPort}, destinations_, now_);
+  [[nodiscard]] bool is_redundant(std::uint32_t address) const {
+    return known_.is_redundant({address, kPort}, destinations_, now_);
   }
 
   PeerAddressFilter known_;
-  std::vector<PeerAddressFilter::Place> destinations_{
+  std::vector<PeerAddressFilter::Locator> destinations_{
       {kNear, kPort}, {kFar, kPort}, {kBridge, kPort}};
   PeerAddressFilter::Time now_{seconds(1000)};
 };
 
 TEST_F(PeerAddressFilterTest, AreAllOfUseUntilTheParticipantIsHeard) {
-  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_superfluous(address));
+  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_redundant(address));
   known_.heard(kLocalizer, kNear, now_);
-  EXPECT_FALSE(is_superfluous(kNear));
-  EXPECT_TRUE(is_superfluous(kFar));
-  EXPECT_TRUE(is_superfluous(kBridge));
-  EXPECT_FALSE(known_.is_superfluous({kFar, kPort + 2}, destinations_, now_))
+  EXPECT_FALSE(is_redundant(kNear));
+  EXPECT_TRUE(is_redundant(kFar));
+  EXPECT_TRUE(is_redundant(kBridge));
+  EXPECT_FALSE(known_.is_redundant({kFar, kPort + 2}, destinations_, now_))
       << "somebody else's port";
 }
 
 TEST_F(PeerAddressFilterTest, AreAllOfUseAgainWhenItIsSilent) {
   known_.heard(kLocalizer, kNear, now_);
   now_ += seconds(10);
-  EXPECT_FALSE(is_superfluous(kFar));
+  EXPECT_FALSE(is_redundant(kFar));
 }
 
 TEST_F(PeerAddressFilterTest, FollowTheParticipantToAnotherOfItsNetworks) {
   known_.heard(kLocalizer, kNear, now_);
   now_ += seconds(1);
   known_.heard(kLocalizer, kFar, now_);
-  EXPECT_TRUE(is_superfluous(kNear));
-  EXPECT_FALSE(is_superfluous(kFar));
+  EXPECT_TRUE(is_redundant(kNear));
+  EXPECT_FALSE(is_redundant(kFar));
 }
 
 TEST_F(PeerAddressFilterTest, AreAllOfUseWhereTheSourceIsTranslated) {
   known_.heard(kLocalizer, 0xc0a80001, now_);
-  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_superfluous(address));
+  for (const std::uint32_t address : {kNear, kFar, kBridge}) EXPECT_FALSE(is_redundant(address));
 }
 
 TEST_F(PeerAddressFilterTest, ThatTwoAnnounceAreOfUseUntilBothAreHeardElsewhere) {
   known_.announced(kOther, {kBridge, kPort}, now_);  // each computer has such a bridge
   known_.heard(kLocalizer, kNear, now_);
-  EXPECT_FALSE(is_superfluous(kBridge)) << "the other one has no other address";
-  EXPECT_TRUE(is_superfluous(kFar));
+  EXPECT_FALSE(is_redundant(kBridge)) << "the other one has no other address";
+  EXPECT_TRUE(is_redundant(kFar));
   known_.announced(kOther, {kFar, kPort}, now_);
   known_.heard(kOther, kFar, now_);
-  EXPECT_TRUE(is_superfluous(kBridge));
-  EXPECT_FALSE(is_superfluous(kFar));
+  EXPECT_TRUE(is_redundant(kBridge));
+  EXPECT_FALSE(is_redundant(kFar));
 }
 
 // A discovery server is spoken to at the address that its name has.
 TEST_F(PeerAddressFilterTest, AreOfUseWhereADatagramGoesToNoOther) {
   known_.heard(kLocalizer, kNear, now_);
   destinations_ = {{kFar, kPort}};
-  EXPECT_FALSE(is_superfluous(kFar));
+  EXPECT_FALSE(is_redundant(kFar));
   destinations_ = {{kFar, kPort}, {kNear, kPort + 2}};
-  EXPECT_FALSE(is_superfluous(kFar));
+  EXPECT_FALSE(is_redundant(kFar));
 }
 
 TEST_F(PeerAddressFilterTest, ForgetWhoIsGone) {
   known_.announced(kOther, {kBridge, kPort}, now_);
   now_ += seconds(90);
   known_.heard(kLocalizer, kNear, now_);
-  EXPECT_TRUE(is_superfluous(kBridge));
+  EXPECT_TRUE(is_redundant(kBridge));
 }
 
 TEST_F(PeerAddressFilterTest, AreBounded) {
@@ -100,7 +100,7 @@ TEST_F(PeerAddressFilterTest, AreBounded) {
     }
     known_.announced(prefix, {i, kPort}, now_);
     known_.heard(prefix, i, now_);
-    ASSERT_FALSE(known_.is_superfluous({i, kPort}, destinations_, now_));
+    ASSERT_FALSE(known_.is_redundant({i, kPort}, destinations_, now_));
   }
 }
 

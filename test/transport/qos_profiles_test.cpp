@@ -89,7 +89,7 @@ TEST_F(QosProfilesTest, NamePeersAndServersByHostsThatNeedNotExistYet) {
   const NamedPeer here{.host = "localhost", .port = 0, .server_prefix = {}};
   EXPECT_THAT(named_peers("with_peers"), ElementsAre(nobody, here));
   EXPECT_THAT(PeerLookup(named_peers("with_peers")).find(kPatience),
-              ElementsAre(FoundPeer{.peer = here, .address = "127.0.0.1"}));
+              ElementsAre(ResolvedPeer{.peer = here, .address = "127.0.0.1"}));
   EXPECT_THAT(named_peers("loopback"), IsEmpty());
   dds::DomainParticipantQos qos;
   auto* factory = dds::DomainParticipantFactory::get_instance();
@@ -117,7 +117,7 @@ TEST_F(QosProfilesTest, LetAParticipantStartWithoutItsDiscoveryServer) {
   const Participant found(network.domain(),
                           "client",
                           nullptr,
-                          {.predecessor = {}, .peers = FoundPeers{{server, "127.0.0.1"}}});
+                          {.predecessor = {}, .peers = ResolvedPeers{{server, "127.0.0.1"}}});
   EXPECT_EQ(found.peers().size(), 1);
 }
 

@@ -17,7 +17,7 @@ using Fields = RtpsFields;
 constexpr std::array<std::uint8_t, 4> kMagic{'R', 'T', 'P', 'S'};
 constexpr std::uint8_t kMajorVersion = 2;
 constexpr std::uint32_t kMaxBitsOfASet = 256;
-constexpr std::int64_t kMaxNumbers = 1 << 20;  // of samples, said to be gone or to be there
+constexpr std::int64_t kMaxNumbers = 1 << 20;  // of samples in one range
 constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max();
 constexpr std::size_t kStatisticsBytes = 56;
 constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has

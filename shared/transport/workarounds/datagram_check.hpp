@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes up for: Fast DDS 2.9.1 trusts some fields of what it is sent: one malformed datagram ends
+// Works around: Fast DDS 2.9.1 trusts some fields of what it is sent: one malformed datagram ends
 // the process by an assertion or an exception that nobody catches.
 // Delete when: fuzzing test/transport/corruption_test.cpp without this check finds nothing.
 
@@ -9,12 +9,12 @@
 
 namespace fleetloc {
 
-/// Whether a datagram keeps to the grammar of RTPS (OMG, DDS Interoperability Wire Protocol 2.2,
+/// Whether a datagram conforms to the grammar of RTPS (OMG, DDS Interoperability Wire Protocol 2.2,
 /// chapter 9.4): header, submessages within their lengths, sets, inline QoS and the parameter lists
 /// of discovery. Fast DDS trusts what it is sent in places, and one malformed datagram would end
-/// the program; what is false here must not reach it. Of vendors' submessages only the one that
-/// Fast DDS puts behind each of its messages (statistics) is taken; the library asserts its size
-/// and place.
+/// the program: pass it only datagrams that are well formed. Of vendors' submessages only the one
+/// that Fast DDS puts behind each of its messages (statistics) is taken; the library asserts its
+/// size and place.
 bool is_well_formed_rtps(std::span<const std::uint8_t> datagram);
 
 }  // namespace fleetloc

@@ -1,7 +1,7 @@
 #pragma once
 
-// Makes up for: Fast DDS 2.9.1 does not watch the addresses of the computer after a participant
-// was made.
+// Works around: Fast DDS 2.9.1 does not watch the addresses of the computer after a participant was
+// created.
 // Delete when: as participant_recreation_policy.hpp; then also has_route(), which tells which of
 // the addresses that Fast DDS sends to are reached at all.
 
@@ -15,7 +15,7 @@
 
 namespace fleetloc {
 
-/// An IPv4 address of this computer. An interface that was removed and made again has a new index.
+/// An IPv4 address of this computer. An interface that was removed and added again has a new index.
 struct InterfaceAddress {
   std::uint32_t interface_index = 0;
   std::string address;
@@ -26,10 +26,10 @@ using InterfaceAddresses = std::set<InterfaceAddress>;
 /// Those of the interfaces that are up: without loopback, or, if any are named, those named.
 InterfaceAddresses interface_addresses(const std::vector<std::string>& named);
 
-/// Whether the kernel knows where to send what is for an IPv4 address.
+/// Whether the kernel has a route to an IPv4 address.
 bool has_route(const std::string& address);
 
-/// Tells that the addresses of this computer may have changed, as soon as the kernel says so.
+/// Notifies of changes of this computer's addresses (netlink).
 class AddressWatch {
  public:
   AddressWatch();
@@ -37,8 +37,8 @@ class AddressWatch {
   AddressWatch(const AddressWatch&) = delete;
   AddressWatch& operator=(const AddressWatch&) = delete;
 
-  /// Waits for a change, a requested stop, or the limit. Where the kernel does not tell, for the
-  /// limit. Returns the addresses that went since the last call, though they may be back by now.
+  /// Waits for a change, a requested stop, or the limit. Without netlink, for the limit. Returns
+  /// the addresses that were removed since the last call, though they may be back by now.
   InterfaceAddresses wait(std::chrono::milliseconds limit, const std::stop_token& stop);
 
  private:

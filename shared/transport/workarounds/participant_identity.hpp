@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes up for: participants of Fast DDS 2.9.1 that replace one another in a process get the GUID
+// Works around: participants of Fast DDS 2.9.1 that replace one another in a process get the GUID
 // of their predecessor, and are taken for it by those who have not seen it leave.
 // Delete when: nothing recreates participants any more (see participant_recreation_policy.hpp).
 
@@ -12,22 +12,21 @@
 
 namespace fleetloc {
 
-/// Who a participant is to others, and which ports it takes.
+/// Identity of a participant: its GUID prefix, and the id that determines its ports.
 struct ParticipantIdentity {
-  std::int32_t id = 0;  ///< in this process; where its ports are looked for
+  std::int32_t id = 0;  ///< in this process; determines its ports
   eprosima::fastrtps::rtps::GuidPrefix_t prefix;
 };
 
-/// For one that takes the place of a participant that is gone, and unknown to those who have
-/// not noticed yet. By its GUID, and by its id as well: Fast DDS also tells others the GUID that it
-/// would have given to the id, and they go on from what its last bearer had sent. The ids go round
-/// in fours, since the ports of those beyond the first few are not looked for by unicast; nothing,
-/// if all four are taken.
+/// For the successor of a participant, so that others do not take it for the one that is gone: a
+/// new GUID, and a new id as well, because Fast DDS also announces the GUID that belongs to the id,
+/// and others would continue the sequence numbers of its predecessor. Ids rotate among four, since
+/// the ports of higher ones are not found by unicast; nothing if all four are taken.
 /// @param taken  by other participants of this process
 std::optional<ParticipantIdentity> successor(const ParticipantIdentity& gone,
                                              const std::set<std::int32_t>& taken);
 
-/// The id of a participant of this process, until this object is gone.
+/// Reserves the id of a participant of this process for its own lifetime.
 class TakenId {
  public:
   explicit TakenId(std::int32_t id);

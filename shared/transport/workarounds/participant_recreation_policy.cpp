@@ -13,7 +13,7 @@ constexpr milliseconds kSettling{100};
 // Between attempts, while addresses come and go.
 constexpr seconds kMinInterval{1};
 constexpr int kMaxDoublings = 5;
-// Everyone who is there is heard more often: each second a localizer tells of itself.
+// Any live participant is heard more often: localizers send their status each second.
 constexpr seconds kSilence{2};
 constexpr seconds kSilentLookupInterval{1};
 constexpr seconds kLookupInterval{10};
@@ -24,7 +24,7 @@ std::string words(const InterfaceAddresses& addresses) {
   return text;
 }
 
-std::string words(const FoundPeers& peers) {
+std::string words(const ResolvedPeers& peers) {
   std::string text;
   for (const auto& [peer, address] : peers) {
     text += (text.empty() ? "" : ", ") + peer.host + " at " + address;
@@ -81,8 +81,8 @@ void ParticipantRecreationPolicy::lost(const InterfaceAddresses& addresses, Time
   }
 }
 
-// A peer that is not found now is not one that has moved.
-void ParticipantRecreationPolicy::found(const FoundPeers& peers, Time now) {
+// A peer that cannot be resolved now has not moved.
+void ParticipantRecreationPolicy::found(const ResolvedPeers& peers, Time now) {
   if (std::ranges::includes(basis_.peers, peers)) return;
   peers_ = peers;
   peers_changed_ = true;

@@ -1,9 +1,9 @@
 #pragma once
 
-// Makes up for: a participant of Fast DDS 2.9.1 does not survive that an address which it was made
-// on goes, even if it returns, and does not use one that comes.
+// Works around: a participant of Fast DDS 2.9.1 does not survive the removal of an address that it
+// was created on, even if it returns, and does not use a new one.
 // Delete when: a participant follows the addresses of its interfaces (`update_interfaces` or the
-// like) without being made anew.
+// like) without being recreated.
 
 #include <chrono>
 #include <cstdint>
@@ -15,17 +15,16 @@
 
 namespace fleetloc {
 
-/// Roaming and reconnecting: decides when a participant has to be made anew. It does not survive
-/// that an address which it was made on goes, even if the same one comes back, and does not use one
-/// that comes. Where nothing arrives for longer than its lease, though something has before, it is
-/// made anew as well, for what cannot be seen from here; then again after twice as long, and so on.
-/// After a change it is given the time of two announcements: the others may know of it only by
-/// theirs. And it is made anew when its discovery server was started again, see
-/// ServerRestartDetector.
+/// Roaming and reconnecting: decides when a participant must be recreated. That is when an address
+/// that it was created on is removed, even if it returns, or a new one appears; when nothing
+/// arrives for longer than its lease, though something has before (then again after twice as long,
+/// and so on); and when its discovery server was restarted, see ServerRestartDetector. After a
+/// recreation it is given at least the time of two announcements: others may learn of it only by
+/// theirs.
 ///
-/// The addresses of named peers are looked up from time to time; a new one makes it due, too.
+/// The addresses of named peers are resolved from time to time; a new one makes it due, too.
 ///
-/// Without any address, nothing is due: it would be in vain. No clock, no I/O.
+/// Without any address nothing is due. No clock, no I/O.
 class ParticipantRecreationPolicy {
  public:
   using Clock = std::chrono::steady_clock;
@@ -39,35 +38,35 @@ class ParticipantRecreationPolicy {
   explicit ParticipantRecreationPolicy(const Timing& timing)
       : timing_(timing), patience_(timing.lease) {}
 
-  /// What a participant was made with.
+  /// What a participant was created with.
   struct Basis {
     InterfaceAddresses addresses;
-    FoundPeers peers;
+    ResolvedPeers peers;
   };
   void made(const Basis& basis, Time now);
-  /// It could not be made.
+  /// It could not be created.
   void failed(Time now);
 
   /// To be called regularly, and at each change.
-  /// @param heard  messages so far
+  /// @param heard  messages received so far
   void observe(const InterfaceAddresses& addresses, std::uint64_t heard, Time now);
-  /// These addresses went; they may be back before anyone can see that they are missing.
+  /// These addresses were removed, perhaps for less than the interval of observe().
   void lost(const InterfaceAddresses& addresses, Time now);
 
-  /// A discovery server has no memory of the participant, nor understands it what that says.
+  /// A discovery server was restarted: it does not know the participant.
   void server_restarted() { server_restarted_ = true; }
 
-  /// What a lookup of the named peers has found.
-  void found(const FoundPeers& peers, Time now);
+  /// Result of a lookup of the named peers.
+  void found(const ResolvedPeers& peers, Time now);
   /// A lookup is due. It counts as begun: the next one is due later.
   [[nodiscard]] bool wants_lookup(Time now);
   /// As last found.
-  [[nodiscard]] const FoundPeers& peers() const { return peers_; }
+  [[nodiscard]] const ResolvedPeers& peers() const { return peers_; }
 
-  /// Why it has to be made anew now, in words for a log.
+  /// Why it must be recreated now, as text for a log.
   [[nodiscard]] std::optional<std::string> due(Time now) const;
 
-  /// No address is left of those it was made on.
+  /// No address is left of those that it was created on.
   [[nodiscard]] bool is_cut_off() const { return !basis_.addresses.empty() && addresses_.empty(); }
   /// Something is due soon: observe() should be called at short intervals.
   [[nodiscard]] bool is_unsettled() const {
@@ -76,18 +75,18 @@ class ParticipantRecreationPolicy {
 
  private:
   Timing timing_;
-  Clock::duration patience_;  // with silence
+  Clock::duration patience_;  // until it is recreated without messages
   Basis basis_;
   InterfaceAddresses addresses_;  // as last seen
-  FoundPeers peers_;              // as last found
-  bool changed_ = false;          // of the addresses since it was made, be it only for a while
+  ResolvedPeers peers_;           // as last found
+  bool changed_ = false;          // of the addresses since it was created, even if reverted
   bool peers_changed_ = false;
   bool server_restarted_ = false;
   Time changed_at_;
   Time tried_at_;
   int failed_attempts_ = 0;
   std::uint64_t heard_ = 0;
-  std::optional<Time> heard_at_;  // or when the first one was made
+  std::optional<Time> heard_at_;  // or when the first one was created
   std::optional<Time> looked_up_at_;
 };
 

@@ -7,26 +7,26 @@ namespace {
 
 using std::chrono::seconds;
 
-// Who is there is heard more often: each second a localizer tells of itself.
+// A live participant is heard more often: localizers send their status each second.
 constexpr seconds kFresh{5};
-// Silent for longer, a participant is taken to be gone; one that comes back is announced again.
+// Silent for longer, a participant is taken to be gone; one that returns announces itself again.
 constexpr seconds kGone{60};
 constexpr std::size_t kMaxParticipants = 4096;
 
 }  // namespace
 
-void PeerAddressFilter::announced(const GuidPrefix& participant, const Place& place, Time now) {
+void PeerAddressFilter::announced(const GuidPrefix& participant, const Locator& locator, Time now) {
   if (!participants_.contains(participant) && participants_.size() >= kMaxParticipants) {
     participants_.clear();
-    claims_.clear();
+    announcers_.clear();
   }
   Participant& known = participants_[participant];
-  known.addresses.insert(place.address);
+  known.addresses.insert(locator.address);
   known.announced_at = now;
-  std::set<GuidPrefix>& claims = claims_[place];
-  std::erase_if(claims,
+  std::set<GuidPrefix>& announcers = announcers_[locator];
+  std::erase_if(announcers,
                 [&](const GuidPrefix& one) { return now - participants_.at(one).last() > kGone; });
-  claims.insert(participant);
+  announcers.insert(participant);
 }
 
 void PeerAddressFilter::heard(const GuidPrefix& participant, std::uint32_t address, Time now) {
@@ -40,19 +40,19 @@ PeerAddressFilter::Time PeerAddressFilter::Participant::last() const {
   return source ? std::max(heard_at, announced_at) : announced_at;
 }
 
-bool PeerAddressFilter::is_superfluous(const Place& place,
-                                       std::span<const Place> destinations,
-                                       Time now) const {
-  const auto claims = claims_.find(place);
-  if (claims == claims_.end()) return false;
+bool PeerAddressFilter::is_redundant(const Locator& locator,
+                                     std::span<const Locator> destinations,
+                                     Time now) const {
+  const auto announcers = announcers_.find(locator);
+  if (announcers == announcers_.end()) return false;
   bool is_heard_elsewhere = false;
-  for (const GuidPrefix& prefix : claims->second) {
+  for (const GuidPrefix& prefix : announcers->second) {
     const Participant& participant = participants_.at(prefix);
     if (now - participant.last() > kGone) continue;
     if (!participant.source || now - participant.heard_at > kFresh) return false;
-    if (participant.source == place.address) return false;
+    if (participant.source == locator.address) return false;
     if (!participant.addresses.contains(*participant.source)) return false;  // translated
-    const Place heard_at{.address = *participant.source, .port = place.port};
+    const Locator heard_at{.address = *participant.source, .port = locator.port};
     if (std::ranges::find(destinations, heard_at) == destinations.end()) return false;
     is_heard_elsewhere = true;
   }

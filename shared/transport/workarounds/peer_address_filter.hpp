@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes up for: Fast DDS 2.9.1 sends each datagram to every address that a participant announces,
+// Works around: Fast DDS 2.9.1 sends each datagram to every address that a participant announces,
 // so a host with several networks is sent it several times.
 // Delete when: the library picks one reachable locator for each remote participant.
 
@@ -16,9 +16,9 @@
 
 namespace fleetloc {
 
-/// Which of a participant's addresses it is heard from. Fast DDS sends to every address that a
-/// participant announces: a localizer's computer has one in each of its networks, and often that of
-/// a bridge of its own, which would cost a robot's uplink as often.
+/// Selects the address of a participant that its datagrams come from. Fast DDS sends to every
+/// address that a participant announces: a localizer's computer has one in each of its networks,
+/// and often one of a local bridge, and each would cost a robot's uplink once more.
 ///
 /// No clock, no I/O.
 class PeerAddressFilter {
@@ -26,22 +26,22 @@ class PeerAddressFilter {
   using Time = std::chrono::steady_clock::time_point;
 
   /// IPv4, in any one byte order.
-  struct Place {
+  struct Locator {
     std::uint32_t address = 0;
     std::uint32_t port = 0;
-    auto operator<=>(const Place&) const = default;
+    auto operator<=>(const Locator&) const = default;
   };
 
-  /// A participant says that it can be reached there.
-  void announced(const GuidPrefix& participant, const Place& place, Time now);
+  /// A participant announces a locator.
+  void announced(const GuidPrefix& participant, const Locator& locator, Time now);
   /// A datagram of a participant came from that address.
   void heard(const GuidPrefix& participant, std::uint32_t address, Time now);
 
-  /// Everyone who might be meant is known, has lately been heard from another address that it
-  /// announces, and is reached there by another one of these destinations of the same datagram.
-  [[nodiscard]] bool is_superfluous(const Place& place,
-                                    std::span<const Place> destinations,
-                                    Time now) const;
+  /// True if each participant that announces the locator has lately been heard from another of its
+  /// announced addresses, and that is among `destinations`, those of the same datagram.
+  [[nodiscard]] bool is_redundant(const Locator& locator,
+                                  std::span<const Locator> destinations,
+                                  Time now) const;
 
  private:
   struct Participant {
@@ -50,11 +50,11 @@ class PeerAddressFilter {
     std::optional<std::uint32_t> source;
     Time heard_at;
 
-    [[nodiscard]] Time last() const;  // sign of it
+    [[nodiscard]] Time last() const;  // sign of life
   };
 
   std::map<GuidPrefix, Participant> participants_;
-  std::map<Place, std::set<GuidPrefix>> claims_;
+  std::map<Locator, std::set<GuidPrefix>> announcers_;
 };
 
 }  // namespace fleetloc

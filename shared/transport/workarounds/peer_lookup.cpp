@@ -10,13 +10,13 @@
 
 namespace fleetloc {
 
-FoundPeers look_up(const NamedPeer& peer) {
+ResolvedPeers look_up(const NamedPeer& peer) {
   addrinfo hints{};
   hints.ai_family = AF_INET;
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* first = nullptr;
   if (getaddrinfo(peer.host.c_str(), nullptr, &hints, &first) != 0) return {};
-  FoundPeers found;
+  ResolvedPeers found;
   for (const addrinfo* it = first; it != nullptr; it = it->ai_next) {
     std::array<char, INET_ADDRSTRLEN> text{};
     const auto& address = reinterpret_cast<const sockaddr_in&>(*it->ai_addr);
@@ -36,13 +36,13 @@ PeerLookup::PeerLookup(const std::vector<NamedPeer>& peers) {
 void PeerLookup::start() {
   for (Search& search : searches_) {
     if (search.under_way.valid()) continue;
-    std::packaged_task<FoundPeers()> task([peer = search.peer] { return look_up(peer); });
+    std::packaged_task<ResolvedPeers()> task([peer = search.peer] { return look_up(peer); });
     search.under_way = task.get_future();
     std::thread(std::move(task)).detach();
   }
 }
 
-std::optional<FoundPeers> PeerLookup::take() {
+std::optional<ResolvedPeers> PeerLookup::take() {
   bool ended = false;
   for (Search& search : searches_) {
     const bool ready =
@@ -50,13 +50,13 @@ std::optional<FoundPeers> PeerLookup::take() {
         search.under_way.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (!ready) continue;
     ended = true;
-    FoundPeers found = search.under_way.get();
+    ResolvedPeers found = search.under_way.get();
     if (!found.empty()) search.found = std::move(found);
   }
   return ended ? std::optional(found()) : std::nullopt;
 }
 
-FoundPeers PeerLookup::find(std::chrono::milliseconds patience) {
+ResolvedPeers PeerLookup::find(std::chrono::milliseconds patience) {
   start();
   const auto deadline = std::chrono::steady_clock::now() + patience;
   for (const Search& search : searches_) search.under_way.wait_until(deadline);
@@ -64,8 +64,8 @@ FoundPeers PeerLookup::find(std::chrono::milliseconds patience) {
   return found();
 }
 
-FoundPeers PeerLookup::found() const {
-  FoundPeers all;
+ResolvedPeers PeerLookup::found() const {
+  ResolvedPeers all;
   for (const Search& search : searches_) all.insert(search.found.begin(), search.found.end());
   return all;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes up for: Fast DDS 2.9.1 resolves host names of peers and servers only while it loads a
+// Works around: Fast DDS 2.9.1 resolves host names of peers and servers only while it loads a
 // profile: a host that is not known yet is an error, and one that moves is never found.
 // Delete when: names in profiles are resolved again while they are not reached.
 
@@ -15,7 +15,7 @@
 
 namespace fleetloc {
 
-/// Where a participant looks for others, by name.
+/// A peer or discovery server of a profile, by name.
 struct NamedPeer {
   std::string host;
   std::uint32_t port = 0;     ///< 0: those of the first participants of a computer
@@ -24,39 +24,37 @@ struct NamedPeer {
 };
 
 /// A peer at one of the addresses of its host.
-struct FoundPeer {
+struct ResolvedPeer {
   NamedPeer peer;
   std::string address;
-  auto operator<=>(const FoundPeer&) const = default;  // NOLINT(modernize-use-nullptr)
+  auto operator<=>(const ResolvedPeer&) const = default;  // NOLINT(modernize-use-nullptr)
 };
-using FoundPeers = std::set<FoundPeer>;
+using ResolvedPeers = std::set<ResolvedPeer>;
 
-/// At all IPv4 addresses of its host; none if that is not known. Waits for the name servers, which
-/// can take many seconds.
-FoundPeers look_up(const NamedPeer& peer);
+/// All IPv4 addresses of its host; none if that cannot be resolved. Blocks, for up to many seconds.
+ResolvedPeers look_up(const NamedPeer& peer);
 
-/// Looks peers up, all at once: where names are not known, or name servers cannot be reached, that
-/// takes many seconds. A lookup that is under way when this object ends goes on behind it, since
-/// the system cannot be told to stop.
+/// Resolves peers concurrently: where names are not known, or name servers cannot be reached, that
+/// takes many seconds. A lookup in progress outlives this object, since it cannot be cancelled.
 class PeerLookup {
  public:
   explicit PeerLookup(const std::vector<NamedPeer>& peers);
 
-  /// Begins to look for those that are not being looked for.
+  /// Starts a lookup of each peer that has none in progress.
   void start();
-  /// All that has been found so far, if a lookup has ended since the last call. A peer that is not
-  /// found any more is where it was.
-  std::optional<FoundPeers> take();
-  /// What is found in that time.
-  FoundPeers find(std::chrono::milliseconds patience);
+  /// All that has been found so far, if a lookup has ended since the last call. A peer that is no
+  /// longer resolved keeps its last addresses.
+  std::optional<ResolvedPeers> take();
+  /// What is resolved within that time.
+  ResolvedPeers find(std::chrono::milliseconds patience);
 
  private:
   struct Search {
     NamedPeer peer;
-    std::future<FoundPeers> under_way;
-    FoundPeers found;
+    std::future<ResolvedPeers> under_way;
+    ResolvedPeers found;
   };
-  [[nodiscard]] FoundPeers found() const;
+  [[nodiscard]] ResolvedPeers found() const;
 
   std::vector<Search> searches_;
 };

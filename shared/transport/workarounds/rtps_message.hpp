@@ -1,7 +1,7 @@
 #pragma once
 
-// Makes up for: nothing by itself: the parts of RTPS messages that the other files here read.
-// Delete when: they are gone.
+// Works around: nothing: parts of RTPS messages that the other files here read.
+// Delete when: those are deleted.
 
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace fleetloc {
 
-/// What an RTPS message is made of (OMG, DDS Interoperability Wire Protocol 2.2, chapter 9.4): a
+/// The parts of an RTPS message (OMG, DDS Interoperability Wire Protocol 2.2, chapter 9.4): a
 /// header, and submessages.
 using RtpsBytes = std::span<const std::uint8_t>;
 
@@ -43,7 +43,7 @@ enum RtpsFlag : std::uint8_t {
   kHasKey = 0x08
 };
 
-/// Takes fields off the front; once something is missing, all that follows is, too.
+/// Reads fields in order; after one that is incomplete all are.
 class RtpsFields {
  public:
   RtpsFields(RtpsBytes bytes, bool is_little_endian)
@@ -97,14 +97,14 @@ struct RtpsSubmessage {
   [[nodiscard]] RtpsFields fields() const { return {body, (flags & kLittleEndian) != 0}; }
 };
 
-/// Takes the first one off what is left of a message. Nothing, if it is not whole.
+/// Removes the first submessage from the rest of a message. Nothing if it is incomplete.
 inline std::optional<RtpsSubmessage> take_submessage(RtpsBytes& rest) {
   if (rest.size() < 4) return std::nullopt;
   RtpsSubmessage submessage{.kind = static_cast<RtpsKind>(rest[0]), .flags = rest[1], .body = {}};
   RtpsFields length_field(rest.subspan(2, 2), (submessage.flags & kLittleEndian) != 0);
   std::size_t length = length_field.u16();
   rest = rest.subspan(4);
-  // The last one may be longer than its length can say.
+  // A length of 0 means: up to the end of the message.
   const bool may_be_empty =
       submessage.kind == RtpsKind::kPad || submessage.kind == RtpsKind::kInfoTimestamp;
   if (length == 0 && !may_be_empty) length = rest.size();

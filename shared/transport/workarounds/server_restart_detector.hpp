@@ -1,7 +1,7 @@
 #pragma once
 
-// Makes up for: Fast DDS 2.9.1 does not notice that a discovery server with the same GUID was
-// started again within its lease, and ignores what the new one says.
+// Works around: Fast DDS 2.9.1 does not notice that a discovery server with the same GUID was
+// restarted within its lease, and ignores the samples of the new one.
 // Delete when: a restarted server is recognized, e.g. by a GUID of its own for each start.
 
 #include <chrono>
@@ -15,23 +15,23 @@
 
 namespace fleetloc {
 
-/// Notices that a participant which always has the same GUID, as a discovery server has, was
-/// started again: the heartbeats of its writers count from one. Fast DDS does not notice within
-/// the lease. It takes what the new one says for what the old one had said, up to as many samples
-/// as that had sent, and hears of nobody who comes meanwhile.
+/// Detects the restart of a participant that always has the same GUID, as a discovery server has:
+/// the heartbeats of its writers count from one again. Fast DDS does not notice it within the
+/// lease: it takes the new one's samples for duplicates, up to the sequence number of the old one,
+/// and does not discover anybody who joins meanwhile.
 ///
 /// No clock, no I/O.
 class ServerRestartDetector {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Of those to watch; what was seen before is forgotten.
+  /// Sets the participants to watch; drops all earlier observations.
   void watch(const std::set<GuidPrefix>& participants);
 
   /// @param datagram  well-formed RTPS
   void observe(std::span<const std::uint8_t> datagram, Time now);
 
-  /// One of them was started again since watch().
+  /// One of them was restarted since watch().
   [[nodiscard]] bool has_restarted() const { return has_restarted_; }
 
  private:

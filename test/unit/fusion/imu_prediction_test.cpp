@@ -119,7 +119,7 @@ TEST(ImuPrediction, HoldsThePoseAfterAGapThatTellsNothing) {
   std::vector<ImuSample> samples;
   for (const double t : {0.0, 0.01, 0.02, 2.02, 2.03, 4.02}) samples.push_back(drive.imu(t));
   const ImuPrediction end = predict(odometry(0.0, drive.state(0.0)), samples, noise);
-  EXPECT_EQ(end.held_since, at(0.02));
+  EXPECT_EQ(end.gap_start, at(0.02));
   EXPECT_EQ(end.stamp, at(4.02));
   EXPECT_LT((end.state.T_odom_body.p - drive.pose(0.02).p).norm(), 1e-3);
   EXPECT_EQ(end.state.v_odom, Eigen::Vector3d::Zero());
@@ -130,7 +130,7 @@ TEST(ImuPrediction, HoldsThePoseAfterAGapThatTellsNothing) {
 
   samples = {drive.imu(0.0), drive.imu(0.01), drive.imu(0.21)};
   const ImuPrediction bridged = predict(odometry(0.0, drive.state(0.0)), samples, noise);
-  EXPECT_FALSE(bridged.held_since.has_value());
+  EXPECT_FALSE(bridged.gap_start.has_value());
   EXPECT_LT((bridged.state.T_odom_body.p - drive.pose(0.21).p).norm(), 1e-2);
   // The force's mean over the gap is uncertain by q sqrt(dt / 3).
   const double velocity_sigma = std::sqrt(bridged.noise(6, 6));

@@ -58,7 +58,7 @@ MapOdomEstimate fuse(std::vector<Arrival> arrivals, const PoseFusion::Config& co
     fed.fusion.add_answer(arrival.answer);
   }
   fed.drive_to(kEnd + 0.1);
-  return *fed.fusion.start_pose();
+  return *fed.fusion.session_start();
 }
 
 // The same model as one linear least-squares problem about the true T_map_odom: unknowns d_k and
@@ -243,7 +243,7 @@ TEST(LateAnswers, TurnVerdictsThatStoodOnLess) {
   const PoseFusion::Verdict verdict = fed.answer_at(4.0);
   EXPECT_TRUE(verdict.applied);
   EXPECT_EQ(verdict.revised, 2);  // the wrong one is gated now, the good one applied
-  EXPECT_LT((fed.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm(), 0.05);
+  EXPECT_LT((fed.fusion.session_start()->T_map_odom.p - true_T_map_odom().p).norm(), 0.05);
 }
 
 void expect_no_effect_of_the_buffer(const PoseFusion::Config& config) {
@@ -259,8 +259,8 @@ void expect_no_effect_of_the_buffer(const PoseFusion::Config& config) {
       EXPECT_TRUE(fed->answer_at(1.0 * i, T_map_odom).applied);
     }
   }
-  EXPECT_EQ(a.fusion.start_pose()->covariance, b.fusion.start_pose()->covariance);
-  EXPECT_EQ(a.fusion.start_pose()->T_map_odom.p, b.fusion.start_pose()->T_map_odom.p);
+  EXPECT_EQ(a.fusion.session_start()->covariance, b.fusion.session_start()->covariance);
+  EXPECT_EQ(a.fusion.session_start()->T_map_odom.p, b.fusion.session_start()->T_map_odom.p);
 }
 
 TEST(LateAnswers, HaveTheirEffectAlsoAfterTheyLeftTheBuffer) {

@@ -39,7 +39,7 @@ class LockOut : public testing::TestWithParam<PoseFusion::Formulation> {
     return fed_.output.quality;
   }
   [[nodiscard]] double position_error() const {
-    return (fed_.fusion.start_pose()->T_map_odom.p - true_T_map_odom().p).norm();
+    return (fed_.fusion.session_start()->T_map_odom.p - true_T_map_odom().p).norm();
   }
 
  private:
@@ -143,7 +143,7 @@ TEST_P(LockOut, IsLostWhileHalfOfTheAnswersContradict) {
 // Another localizer that starts there must be able to find the truth.
 TEST_P(LockOut, TheStartPoseReachesToWhatContradictsIt) {
   const auto deviations_from_truth = [this] {
-    const MapOdomEstimate start = *fed_.fusion.start_pose();
+    const MapOdomEstimate start = *fed_.fusion.session_start();
     const Vector6d error = local_coordinates(start.T_map_odom, true_T_map_odom());
     return std::sqrt(error.dot(start.covariance.llt().solve(error)));
   };

@@ -64,7 +64,7 @@ TEST(OdometryDrift, TurnsAboutTheBody) {
 }
 
 double movement_over(std::initializer_list<double> variances) {
-  VarianceMovement movement;
+  VarianceChange movement;
   double sum = 0.0;
   for (const double variance : variances) {
     const auto [up, down] = movement.to(variance);

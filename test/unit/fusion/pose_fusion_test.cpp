@@ -86,7 +86,7 @@ TEST_P(EitherFusion, FirstAnswerPlacesTheRobotInTheMap) {
   FedFusion fed(config());
   fed.drive_to(3.0);
   EXPECT_FALSE(fed.output.T_map_body);
-  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_FALSE(fed.fusion.session_start());
   EXPECT_EQ(fed.answer_at(1.0).reason, "applied");
   fed.drive_to(3.01);
   ASSERT_TRUE(fed.output.T_map_body);
@@ -99,7 +99,7 @@ TEST_P(EitherFusion, MapOdomEstimateIsTheAlignmentWithItsCovariance) {
   FedFusion fed(config());
   fed.drive_to(3.0);
   fed.answer_at(0.0);  // odom and body coincide there
-  const auto start = fed.fusion.start_pose();
+  const auto start = fed.fusion.session_start();
   ASSERT_TRUE(start);
   EXPECT_LT(distance(start->T_map_odom, true_T_map_odom()), 0.5 * tolerance());
   const Matrix6d drift = start->covariance - answer_covariance();
@@ -203,7 +203,7 @@ TEST_P(EitherFusion, RefusesAnswersThatWouldTiltTheMap) {
   fed.drive_to(2.0);
   const Pose tilted{exp_so3({0.1, 0.0, 0.5}), Eigen::Vector3d::Zero()};
   EXPECT_EQ(fed.answer_at(1.0, tilted).reason, "implausible_tilt");
-  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_FALSE(fed.fusion.session_start());
   EXPECT_TRUE(fed.answer_at(1.5).applied);
 }
 
@@ -219,9 +219,9 @@ TEST_P(EitherFusion, ANewerRevisionReplacesTheAnswer) {
   EXPECT_TRUE(fed.fusion.add_answer(newer).applied);
   EXPECT_EQ(fed.fusion.add_answer(older).reason, "older_than_applied");
   only_newer.fusion.add_answer(newer);
-  EXPECT_TRUE(
-      identical(fed.fusion.start_pose()->T_map_odom, only_newer.fusion.start_pose()->T_map_odom));
-  EXPECT_EQ(fed.fusion.start_pose()->covariance, only_newer.fusion.start_pose()->covariance);
+  EXPECT_TRUE(identical(fed.fusion.session_start()->T_map_odom,
+                        only_newer.fusion.session_start()->T_map_odom));
+  EXPECT_EQ(fed.fusion.session_start()->covariance, only_newer.fusion.session_start()->covariance);
 }
 
 TEST(PoseFusion, RefusesAConfigurationWithMoreThanWhiteNoise) {
@@ -235,7 +235,7 @@ TEST_P(EitherFusion, ResetForgetsTheOldSession) {
   fed.drive_to(3.0);
   fed.answer_at(2.0);
   fed.fusion.reset(SessionNumber{1}, std::nullopt);
-  EXPECT_FALSE(fed.fusion.start_pose());
+  EXPECT_FALSE(fed.fusion.session_start());
   EXPECT_FALSE(fed.fusion.estimate_at(at(2.5)));
   EXPECT_EQ(fed.answer_at(2.5).reason, "wrong_session");
   fed.drive_to(3.01, /*with_odometry=*/false);

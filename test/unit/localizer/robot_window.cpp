@@ -99,7 +99,7 @@ void RobotWindow::linearize() {
   }
   std::vector<const double*> points;
   for (const auto& [id, landmark] : points_) points.push_back(landmark.p.data());
-  JointEquations joint(kept, points);
+  NormalEquationsBuilder joint(kept, points);
   for (const ResidualBlock& block : blocks_) joint.add(block);
   information_ = joint.reduced().H;
   const Eigen::MatrixXd covariance = information_.inverse();

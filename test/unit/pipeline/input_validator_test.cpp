@@ -59,19 +59,19 @@ TEST(InputValidator, IsNotLockedOutByOneStampOfTheFuture) {
   EXPECT_THAT(admitted(gate, 15ms), ElementsAre(15ms));
   EXPECT_THAT(admitted(gate, 20ms), ElementsAre(20ms));
   EXPECT_EQ(gate.refused().at("imu_ahead"), 1U);
-  EXPECT_EQ(gate.judge_frame(at(1h)), "frame_ahead_of_imu");
-  EXPECT_EQ(gate.judge_frame(at(30ms)), "");
+  EXPECT_EQ(gate.check_frame(at(1h)), "frame_ahead_of_imu");
+  EXPECT_EQ(gate.check_frame(at(30ms)), "");
 }
 
 TEST(InputValidator, RefusesFramesThatAreNotNewerOrThatNoImuWillCover) {
   InputValidator gate(500ms);
-  EXPECT_EQ(gate.judge_frame(at(0ms)), "frame_ahead_of_imu");
+  EXPECT_EQ(gate.check_frame(at(0ms)), "frame_ahead_of_imu");
   admitted(gate, 10ms);
-  EXPECT_EQ(gate.judge_frame(at(20ms)), "");
-  EXPECT_EQ(gate.judge_frame(at(20ms)), "frame_not_newer");
-  EXPECT_EQ(gate.judge_frame(at(15ms)), "frame_not_newer");
-  EXPECT_EQ(gate.judge_frame(at(511ms)), "frame_ahead_of_imu");
-  EXPECT_EQ(gate.judge_frame(at(510ms)), "");
+  EXPECT_EQ(gate.check_frame(at(20ms)), "");
+  EXPECT_EQ(gate.check_frame(at(20ms)), "frame_not_newer");
+  EXPECT_EQ(gate.check_frame(at(15ms)), "frame_not_newer");
+  EXPECT_EQ(gate.check_frame(at(511ms)), "frame_ahead_of_imu");
+  EXPECT_EQ(gate.check_frame(at(510ms)), "");
   EXPECT_EQ(gate.refused().at("frame_not_newer"), 2U);
   EXPECT_EQ(gate.refused().at("frame_ahead_of_imu"), 2U);
 }

@@ -125,7 +125,7 @@ TEST_F(FeatureTrackerTest, RejectsLittleInPureRotation) {
     tracker_.track(scene().render(turning(i)), rotation(turning(i - 1), turning(i)));
     EXPECT_LE(tracker_.diagnostics().rejected_by_motion, 2);
     if (i > 0) {
-      EXPECT_GT(tracker_.diagnostics().followed, 40);
+      EXPECT_GT(tracker_.diagnostics().tracked, 40);
     }
   }
 }
@@ -135,14 +135,14 @@ TEST_F(FeatureTrackerTest, FollowsAlsoWithoutAGyroscope) {
     tracker_.track(scene().render(turning(i)), Eigen::Quaterniond::Identity());
     EXPECT_LE(tracker_.diagnostics().rejected_by_motion, 3);
     if (i > 0) {
-      EXPECT_GT(tracker_.diagnostics().followed, 40);
+      EXPECT_GT(tracker_.diagnostics().tracked, 40);
     }
   }
 }
 
 TEST_F(FeatureTrackerTest, RejectsWhatMovesAgainstTheScene) {
   std::map<LandmarkId, int> on_poster;
-  std::size_t followed = 0;
+  std::size_t tracked = 0;
   for (int i = 0; i < 6; ++i) {
     const Pose T = moving(i);
     const Eigen::Vector2d poster(-0.3 + 0.08 * i, -0.06 * i);
@@ -156,13 +156,13 @@ TEST_F(FeatureTrackerTest, RejectsWhatMovesAgainstTheScene) {
       const double off_center = (p.head<2>() - poster).cwiseAbs().maxCoeff();
       if (off_center < TexturedScene::kPosterHalf_m - 0.05) ++on_poster[o.landmark];
     }
-    if (i > 0) followed += static_cast<std::size_t>(tracker_.diagnostics().followed);
+    if (i > 0) tracked += static_cast<std::size_t>(tracker_.diagnostics().tracked);
   }
   const auto twice = std::count_if(
       on_poster.begin(), on_poster.end(), [](const auto& entry) { return entry.second > 1; });
   EXPECT_GT(on_poster.size(), 20U);
   EXPECT_LE(twice, 1);
-  EXPECT_GT(followed, 250U);
+  EXPECT_GT(tracked, 250U);
 }
 
 TEST_F(FeatureTrackerTest, NeverUsesALandmarkIdTwice) {

@@ -58,7 +58,7 @@ class MotionCheckTest : public testing::Test {
 TEST_F(MotionCheckTest, FindsTheMotionDespiteManyOutliers) {
   const auto [correspondences, good] = scene(T_, 100, 40, true);
   const Pose prediction{.R = T_.R, .p = Eigen::Vector3d::Zero()};
-  const auto motion = check_motion(correspondences, kStereo, prediction, config_);
+  const auto motion = estimate_rigid_motion(correspondences, kStereo, prediction, config_);
   EXPECT_TRUE(motion.has_translation);
   EXPECT_GE(count(motion.inliers, good, true), 57);
   EXPECT_EQ(count(motion.inliers, good, false), 0);
@@ -69,7 +69,7 @@ TEST_F(MotionCheckTest, FindsTheMotionDespiteManyOutliers) {
 TEST_F(MotionCheckTest, CorrectsAPredictedRotationThatIsWrong) {
   const auto [correspondences, good] = scene(T_, 100, 30, true);
   const Pose prediction{.R = T_.R * exp_so3({0.0, 0.06, 0.03}), .p = Eigen::Vector3d::Zero()};
-  const auto motion = check_motion(correspondences, kStereo, prediction, config_);
+  const auto motion = estimate_rigid_motion(correspondences, kStereo, prediction, config_);
   EXPECT_GE(count(motion.inliers, good, true), 66);
   EXPECT_EQ(count(motion.inliers, good, false), 0);
   EXPECT_LT(motion.T_current_previous.R.angularDistance(T_.R), 0.001);
@@ -79,7 +79,7 @@ TEST_F(MotionCheckTest, TakesStandstillAndPureRotation) {
   for (const Pose& T : {Pose{}, Pose{.R = exp_so3({0.0, 0.1, 0.0}), .p = {0, 0, 0}}}) {
     for (const bool with_depth : {true, false}) {
       const auto [correspondences, good] = scene(T, 100, 20, with_depth);
-      const auto motion = check_motion(correspondences, kStereo, T, config_);
+      const auto motion = estimate_rigid_motion(correspondences, kStereo, T, config_);
       EXPECT_EQ(motion.has_translation, with_depth);
       EXPECT_GE(count(motion.inliers, good, true), 76) << with_depth;
       EXPECT_LE(count(motion.inliers, good, false), with_depth ? 0 : 8);
@@ -90,7 +90,7 @@ TEST_F(MotionCheckTest, TakesStandstillAndPureRotation) {
 TEST_F(MotionCheckTest, HoldsPointsWithoutDepthToTheirEpipolarLine) {
   auto [correspondences, good] = scene(T_, 120, 60, true);
   for (std::size_t i = 0; i < 80; ++i) correspondences[i].disparity = 0.0;  // 60 bad, 20 good
-  const auto motion = check_motion(correspondences, kStereo, T_, config_);
+  const auto motion = estimate_rigid_motion(correspondences, kStereo, T_, config_);
   EXPECT_GE(count(motion.inliers, good, true), 57);
   EXPECT_LE(count(motion.inliers, good, false), 15);  // along the line they cannot be told apart
 }
@@ -98,7 +98,7 @@ TEST_F(MotionCheckTest, HoldsPointsWithoutDepthToTheirEpipolarLine) {
 TEST_F(MotionCheckTest, WorksForOneCameraWithAKnownRotation) {
   const auto [correspondences, good] = scene(T_, 100, 30, false);
   const Pose prediction{.R = T_.R, .p = Eigen::Vector3d::Zero()};
-  const auto motion = check_motion(correspondences, kStereo, prediction, config_);
+  const auto motion = estimate_rigid_motion(correspondences, kStereo, prediction, config_);
   EXPECT_FALSE(motion.has_translation);
   EXPECT_GE(count(motion.inliers, good, true), 66);
   EXPECT_LE(count(motion.inliers, good, false), 10);
@@ -108,7 +108,7 @@ TEST_F(MotionCheckTest, TakesFewOrNoPoints) {
   for (const int points : {0, 1, 2, 3, 12, 13}) {
     for (const bool with_depth : {true, false}) {
       const auto [correspondences, good] = scene(T_, points, 0, with_depth);
-      const auto motion = check_motion(correspondences, kStereo, T_, config_);
+      const auto motion = estimate_rigid_motion(correspondences, kStereo, T_, config_);
       EXPECT_EQ(motion.inliers.size(), static_cast<std::size_t>(points));
       EXPECT_EQ(count(motion.inliers, good, true), points) << points;
     }

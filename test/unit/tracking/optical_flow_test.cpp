@@ -46,7 +46,7 @@ TEST_F(OpticalFlowTest, FindsAShiftToAFewHundredthsOfAPixel) {
   const cv::Point2f shift(6.3F, -3.6F);
   const auto from = pyramid(texture(1), config_);
   const auto to = pyramid(shifted(texture(1), shift), config_);
-  const auto moved = follow(from, to, points_, points_, config_);
+  const auto moved = track_points(from, to, points_, points_, config_);
   std::size_t found = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (!moved[i]) continue;
@@ -59,7 +59,7 @@ TEST_F(OpticalFlowTest, FindsAShiftToAFewHundredthsOfAPixel) {
 TEST_F(OpticalFlowTest, LosesPointsThatAreNotThere) {
   const auto from = pyramid(texture(1), config_);
   const auto to = pyramid(texture(2), config_);
-  const auto moved = follow(from, to, points_, points_, config_);
+  const auto moved = track_points(from, to, points_, points_, config_);
   const auto found = std::count_if(
       moved.begin(), moved.end(), [](const auto& point) { return point.has_value(); });
   EXPECT_LT(found, static_cast<std::ptrdiff_t>(points_.size() / 5));
@@ -68,14 +68,14 @@ TEST_F(OpticalFlowTest, LosesPointsThatAreNotThere) {
 TEST_F(OpticalFlowTest, LosesPointsInABlackImage) {
   const auto from = pyramid(texture(1), config_);
   const auto to = pyramid(cv::Mat::zeros(240, 320, CV_32F), config_);
-  for (const auto& point : follow(from, to, points_, points_, config_)) {
+  for (const auto& point : track_points(from, to, points_, points_, config_)) {
     EXPECT_FALSE(point);
   }
 }
 
 TEST_F(OpticalFlowTest, TakesNoPoints) {
   const auto image = pyramid(texture(1), config_);
-  EXPECT_TRUE(follow(image, image, {}, {}, config_).empty());
+  EXPECT_TRUE(track_points(image, image, {}, {}, config_).empty());
 }
 
 }  // namespace

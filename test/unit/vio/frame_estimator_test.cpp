@@ -97,7 +97,7 @@ TEST_F(FrameEstimatorTest, WantsAKeyframeWhenTimeOrTracksRunOut) {
   // It is wanted again until it is made.
   const auto again = estimator.estimate(run_.frame(wanted + 1), imu_);
   EXPECT_TRUE(again->wants_keyframe);
-  estimator.keyframe_made(run_.frame(wanted), again->estimate.state);
+  estimator.set_reference_keyframe(run_.frame(wanted), again->estimate.state);
   // That frame is what the next ones are compared with, though the window does not have it yet.
   EXPECT_FALSE(estimator.estimate(run_.frame(wanted + 1), imu_)->wants_keyframe);
   TrackedFrame renamed = run_.frame(wanted + 4);  // every track was lost, and others were found

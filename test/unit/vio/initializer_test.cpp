@@ -26,7 +26,7 @@ TEST(InertialAlignment, FindsGravityVelocitiesAndBiasesOfAnExactTrajectory) {
   EXPECT_LT((alignment.g_first - T_first_room.R * kGravity).norm(), 0.02);
   EXPECT_LT((alignment.bias.gyroscope - config.initial_bias.gyroscope).norm(), 1e-3);
   EXPECT_LT((alignment.bias.accelerometer - config.initial_bias.accelerometer).norm(), 0.03);
-  EXPECT_NEAR(alignment.free_gravity, 9.81, 0.05);
+  EXPECT_NEAR(alignment.estimated_gravity, 9.81, 0.05);
   for (std::size_t i = 0; i < truth.states.size(); ++i) {
     EXPECT_LT((alignment.v_first[i] - T_first_room.R * truth.states[i].v_odom).norm(), 0.01);
   }

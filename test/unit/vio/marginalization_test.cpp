@@ -28,7 +28,7 @@ TEST(WithoutLeading, SolvesTheRestAsTheWholeSystemDoes) {
   NormalEquations all;
   all.H = A.transpose() * A;
   all.g = random_matrix(20, 1, 2);
-  const NormalEquations rest = without_leading(all, 8);
+  const NormalEquations rest = marginalize_leading(all, 8);
   const Eigen::VectorXd expected = all.H.ldlt().solve(all.g).tail(12);
   EXPECT_LT((rest.H.ldlt().solve(rest.g) - expected).norm(), 1e-9);
 }
@@ -74,7 +74,7 @@ TEST_F(PriorTest, SaysNothingAboutUnknownDirections) {
   const Eigen::MatrixXd A = random_matrix(30, 15, 3);
   system.H = A.transpose() * A;
   system.g = random_matrix(15, 1, 5);
-  remove_directions(N, system);
+  project_out(N, system);
   const MarginalizationPrior prior(states_, system.H, system.g);
   EXPECT_EQ(prior.num_residuals(), 11);
   EXPECT_LT((prior.jacobian() * N).norm(), 1e-12 * prior.jacobian().norm());

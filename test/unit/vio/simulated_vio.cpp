@@ -93,7 +93,7 @@ class Player {
                                     run_.truth(frame.stamp),
                                     T_odom_room_));
     if (estimated->wants_keyframe) {
-      frame_estimator_.keyframe_made(frame, estimated->estimate.state);
+      frame_estimator_.set_reference_keyframe(frame, estimated->estimate.state);
       const Timestamp last = window_->estimate().keyframes.back().stamp;
       take(window_->add({KeyframeId{next_id_++}, frame, imu_.between(last, frame.stamp)}));
     }

@@ -48,7 +48,7 @@ inline WindowGraph slid_graph(const SimulatedRun& run,
            keyframe_input(run, frame, frame - 6, static_cast<std::uint32_t>(i)),
            run.truth(run.frame_stamp(frame)),
            graph);
-    triangulate_others(graph, {config.min_disparity_px, config.max_depth_m});
+    triangulate_inactive(graph, {config.min_disparity_px, config.max_depth_m});
     if (before) before(graph);
     optimize(graph, config);
     if (i >= 6) {

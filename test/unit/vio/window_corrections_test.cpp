@@ -81,7 +81,7 @@ TEST_F(WindowCorrectionsTest, LeaveWithTheirStates) {
   EXPECT_LT(graph_.corrections.landmarks.size(), before);
   EXPECT_GT(graph_.corrections.landmarks.size(), 0U);
   for (const auto& [id, landmark] : graph_.corrections.landmarks) {
-    EXPECT_TRUE(graph_.landmarks.at(id).takes_part());
+    EXPECT_TRUE(graph_.landmarks.at(id).is_active());
   }
   while (graph_.keyframes.size() > 1) {
     EXPECT_FALSE(graph_.corrections.landmarks.empty());
@@ -197,7 +197,7 @@ TEST(CorrectedGraph, KnowsNothingOfYawAndPosition) {
   for (const GraphFactor& factor : corrections) blocks.push_back(block_of(factor));
   std::vector<const double*> points;
   for (const auto& [id, landmark] : graph.landmarks) {
-    if (landmark.takes_part()) points.push_back(landmark.p_odom.data());
+    if (landmark.is_active()) points.push_back(landmark.p_odom.data());
   }
   std::vector<ParameterBlock> kept;
   std::vector<PriorState> states;
