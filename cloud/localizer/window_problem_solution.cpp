@@ -154,20 +154,20 @@ WindowSystem WindowProblem::system() const {
   std::vector<const double*> points;
   for (const auto& [id, node] : landmarks_) points.push_back(node.point);
 
-  NormalEquationsBuilder joint(kept, points);
-  for (const ceres::ResidualBlockId factor : robot_factors()) joint.add(block_of(factor));
-  system.H_robot = joint.reduced().H;
+  NormalEquationsBuilder builder(kept, points);
+  for (const ceres::ResidualBlockId factor : robot_factors()) builder.add(block_of(factor));
+  system.H_robot = builder.reduced().H;
   for (const auto& [id, node] : landmarks_) {
     system.landmarks.push_back({.id = id,
                                 .p_map = Eigen::Map<const Eigen::Vector3d>(node.point),
                                 .is_matched = node.map_factor != nullptr,
-                                .H_robot = joint.points()[system.landmarks.size()].H,
+                                .H_robot = builder.points()[system.landmarks.size()].H,
                                 .equations = {}});
   }
-  for (const ceres::ResidualBlockId factor : other_factors()) joint.add(block_of(factor));
-  system.cholesky.compute(joint.reduced().H);
+  for (const ceres::ResidualBlockId factor : other_factors()) builder.add(block_of(factor));
+  system.cholesky.compute(builder.reduced().H);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    system.landmarks[i].equations = joint.points()[i];
+    system.landmarks[i].equations = builder.points()[i];
   }
   return system;
 }

@@ -112,7 +112,7 @@ cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
                                     const cv::Point2f& now) const {
   const Eigen::Vector2f flow(now.x - before.x, now.y - before.y);
   if (flow.norm() < static_cast<float>(config_.flow.slope_from_px)) return now;
-  const SlantedLine line{
+  const SearchLine line{
       .start = now, .direction = flow.normalized(), .slope_sigma = config_.flow.slope_sigma};
   return match_slanted(left_.image(), left.image(), before, line, config_.slanted).value_or(now);
 }

@@ -102,7 +102,7 @@ SlantedPatchConfig read_slanted_patch_config(ConfigReader section) {
 std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
                                          const cv::Mat& to,
                                          const cv::Point2f& point,
-                                         const SlantedLine& line,
+                                         const SearchLine& line,
                                          const SlantedPatchConfig& config) {
   const auto& [start, direction, slope_sigma] = line;
   const int radius = config.radius_px;

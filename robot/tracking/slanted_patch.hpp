@@ -21,7 +21,7 @@ struct SlantedPatchConfig {
 SlantedPatchConfig read_slanted_patch_config(ConfigReader section);
 
 /// The line along which a patch is searched.
-struct SlantedLine {
+struct SearchLine {
   cv::Point2f start;          ///< initial guess of the patch center
   Eigen::Vector2f direction;  ///< unit length
   double slope_sigma;         ///< of the shift's change over the patch, about zero [px per px]
@@ -36,7 +36,7 @@ struct SlantedLine {
 std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
                                          const cv::Mat& to,
                                          const cv::Point2f& point,
-                                         const SlantedLine& line,
+                                         const SearchLine& line,
                                          const SlantedPatchConfig& config);
 
 }  // namespace fleetloc

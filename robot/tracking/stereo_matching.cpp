@@ -117,9 +117,9 @@ cv::Point2f StereoMatcher::refined(const ImagePyramid& left,
   const Eigen::Vector2f along(further->x - match.x, further->y - match.y);
   // On a plane through a point the disparity changes by its share of the focal length, times the
   // tangent of the slant, per pixel.
-  const SlantedLine row{.start = match,
-                        .direction = along.normalized(),
-                        .slope_sigma = config_.slant_sigma * disparity / focal_px_};
+  const SearchLine row{.start = match,
+                       .direction = along.normalized(),
+                       .slope_sigma = config_.slant_sigma * disparity / focal_px_};
   return match_slanted(left.image(), right.image(), query.left, row, slanted_).value_or(match);
 }
 

@@ -161,9 +161,9 @@ void NormalEquationsBuilder::accumulate(const Eigen::Map<const Eigen::VectorXd>&
 NormalEquations schur_complement(const std::vector<ResidualBlock>& blocks,
                                  const std::vector<ParameterBlock>& kept,
                                  const std::vector<const double*>& eliminated_points) {
-  NormalEquationsBuilder joint(kept, eliminated_points);
-  for (const ResidualBlock& block : blocks) joint.add(block);
-  return joint.reduced();
+  NormalEquationsBuilder builder(kept, eliminated_points);
+  for (const ResidualBlock& block : blocks) builder.add(block);
+  return builder.reduced();
 }
 
 }  // namespace fleetloc

@@ -35,9 +35,9 @@ DdsChannel::DdsChannel(const Config& config)
       connection_(connect({.predecessor = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
-std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& start) {
+std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& options) {
   return std::make_unique<DdsConnection>(
-      config_, wire_, start, [this](std::optional<Message> message) {
+      config_, wire_, options, [this](std::optional<Message> message) {
         deliver(std::move(message));
       });
 }
@@ -139,7 +139,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   using Clock = ParticipantRecreationPolicy::Clock;
   const Participant& first = connection_->participant();
   const std::vector<std::string> whitelist = first.whitelist();
-  ParticipantOptions start{.predecessor = first.identity(), .peers = first.peers()};
+  ParticipantOptions options{.predecessor = first.identity(), .peers = first.peers()};
   ParticipantRecreationPolicy policy(
       {.lease = first.lease(), .announcements = first.announcement_period()});
   policy.made({.addresses = first.bound_addresses(), .peers = first.peers()}, Clock::now());
@@ -155,8 +155,8 @@ void DdsChannel::watch(const std::stop_token& stop) {
     was_cut_off = policy.is_cut_off();
     const auto reason = policy.due(Clock::now());
     if (!reason || stop.stop_requested()) continue;
-    start.peers = policy.peers();
-    if (recreate(*reason, start)) {
+    options.peers = policy.peers();
+    if (recreate(*reason, options)) {
       const Participant& made = connection_->participant();
       policy.made({.addresses = made.bound_addresses(), .peers = made.peers()}, Clock::now());
     } else {
@@ -166,7 +166,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
 }
 
 // The old one is deleted first: the new one needs its ports.
-bool DdsChannel::recreate(const std::string& reason, ParticipantOptions& start) {
+bool DdsChannel::recreate(const std::string& reason, ParticipantOptions& options) {
   std::unique_ptr<DdsConnection> old;
   std::set<Destination> destinations;
   {
@@ -178,11 +178,11 @@ bool DdsChannel::recreate(const std::string& reason, ParticipantOptions& start) 
   std::unique_ptr<DdsConnection> fresh;
   try {
     try {
-      fresh = connect(start);
+      fresh = connect(options);
     } catch (const TransportError&) {  // possibly because of the identity
-      fresh = connect({.predecessor = std::nullopt, .peers = start.peers});
+      fresh = connect({.predecessor = std::nullopt, .peers = options.peers});
     }
-    start.predecessor = fresh->participant().identity();
+    options.predecessor = fresh->participant().identity();
     for (const Destination& destination : destinations) fresh->writer(destination);
   } catch (const TransportError& error) {
     note(reason + ": no new participant: " + error.what());

@@ -69,10 +69,10 @@ class DdsChannel final : public Channel {
   std::vector<std::string> take_events();
 
  private:
-  std::unique_ptr<DdsConnection> connect(const ParticipantOptions& start);
+  std::unique_ptr<DdsConnection> connect(const ParticipantOptions& options);
   void deliver(std::optional<Message> message);
   void watch(const std::stop_token& stop);
-  bool recreate(const std::string& reason, ParticipantOptions& start);
+  bool recreate(const std::string& reason, ParticipantOptions& options);
   void note(std::string event);
 
   Config config_;

@@ -24,9 +24,9 @@ std::vector<dds::DataReader*> readers_of(const auto& subscriptions) {
 
 DdsConnection::DdsConnection(const DdsChannelConfig& end,
                              const std::shared_ptr<WireLink>& wire,
-                             const ParticipantOptions& start,
+                             const ParticipantOptions& options,
                              Deliver deliver)
-    : participant_(end.domain, end.participant_profile, wire, start),
+    : participant_(end.domain, end.participant_profile, wire, options),
       subscriptions_(subscribe(end)),
       deliver_(std::move(deliver)),
       thread_(readers_of(subscriptions_),

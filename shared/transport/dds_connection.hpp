@@ -38,7 +38,7 @@ class DdsConnection {
   /// Throws TransportError.
   DdsConnection(const DdsChannelConfig& end,
                 const std::shared_ptr<WireLink>& wire,
-                const ParticipantOptions& start,
+                const ParticipantOptions& options,
                 Deliver deliver);
 
   /// Created on first use.

@@ -67,7 +67,7 @@ double movement_over(std::initializer_list<double> variances) {
   VarianceChange movement;
   double sum = 0.0;
   for (const double variance : variances) {
-    const auto [up, down] = movement.to(variance);
+    const auto [up, down] = movement.update(variance);
     sum += up + down;
   }
   return sum;

@@ -99,11 +99,11 @@ void RobotWindow::linearize() {
   }
   std::vector<const double*> points;
   for (const auto& [id, landmark] : points_) points.push_back(landmark.p.data());
-  NormalEquationsBuilder joint(kept, points);
-  for (const ResidualBlock& block : blocks_) joint.add(block);
-  information_ = joint.reduced().H;
+  NormalEquationsBuilder builder(kept, points);
+  for (const ResidualBlock& block : blocks_) builder.add(block);
+  information_ = builder.reduced().H;
   const Eigen::MatrixXd covariance = information_.inverse();
-  auto point = joint.points().begin();
+  auto point = builder.points().begin();
   for (auto& [id, landmark] : points_) {
     const Eigen::Matrix3d own = point->H.inverse();
     landmark.covariance = own;

@@ -42,9 +42,9 @@ cv::Mat image(double shift, double slope, double brighter = 0.0) {
 
 /// How far beside the truth the match is, from a start 0.6 px beside it.
 double error_px(double slope, double slope_sigma, double brighter = 0.0) {
-  const SlantedLine line{.start = {kPoint.x + kShift + 0.6F, kPoint.y},
-                         .direction = Eigen::Vector2f::UnitX(),
-                         .slope_sigma = slope_sigma};
+  const SearchLine line{.start = {kPoint.x + kShift + 0.6F, kPoint.y},
+                        .direction = Eigen::Vector2f::UnitX(),
+                        .slope_sigma = slope_sigma};
   const auto match = match_slanted(
       image(0.0, 0.0), image(static_cast<double>(kShift), slope, brighter), kPoint, line, config());
   if (!match) return 1000.0;
@@ -67,11 +67,11 @@ TEST(SlantedPatch, DoesNotMindADifferenceOfBrightness) {
 }
 
 TEST(SlantedPatch, GivesUpAtTheBorderAndWithoutTexture) {
-  const SlantedLine line{
+  const SearchLine line{
       .start = {30.0F, 39.5F}, .direction = Eigen::Vector2f::UnitX(), .slope_sigma = 0.3};
   const cv::Mat textured = image(0.0, 0.0);
   EXPECT_FALSE(match_slanted(textured, textured, {3.0F, 39.5F}, line, config()));
-  SlantedLine outside = line;
+  SearchLine outside = line;
   outside.start.x = 77.0F;
   EXPECT_FALSE(match_slanted(textured, textured, kPoint, outside, config()));
   const cv::Mat blank(kSize, kSize, CV_8UC1, cv::Scalar(90));
@@ -81,9 +81,9 @@ TEST(SlantedPatch, GivesUpAtTheBorderAndWithoutTexture) {
 TEST(SlantedPatch, DoesNotLeaveTheStartsNeighbourhood) {
   SlantedPatchConfig narrow = config();
   narrow.max_px = 0.3;
-  const SlantedLine line{.start = {kPoint.x + 0.6F, kPoint.y},
-                         .direction = Eigen::Vector2f::UnitX(),
-                         .slope_sigma = 0.3};
+  const SearchLine line{.start = {kPoint.x + 0.6F, kPoint.y},
+                        .direction = Eigen::Vector2f::UnitX(),
+                        .slope_sigma = 0.3};
   const cv::Mat same = image(0.0, 0.0);
   EXPECT_TRUE(match_slanted(same, same, kPoint, line, config()));
   EXPECT_FALSE(match_slanted(same, same, kPoint, line, narrow));
