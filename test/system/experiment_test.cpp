@@ -18,10 +18,10 @@ std::string plan(const std::string& duration_s) {
   const std::string way = "scene: " + worlds + "campus.yaml, route: " + worlds + "quad.yaml";
   return "title: small\nmode: replay\nduration_s: " + duration_s +
          "\nmaps:\n  quad:\n    surveys:\n      summer: {" + way +
-         ", session: summer, duration_s: 6}\n"
+         ", season: summer, duration_s: 6}\n"
          "datasets:\n  autumn:\n    map: quad\n    simulated: {" +
          way +
-         ", session: autumn, seed: 2, duration_s: 8}\n"
+         ", season: autumn, seed: 2, duration_s: 8}\n"
          "configurations:\n  default: {}\nlinks:\n  poor: {loss: 0.01, latency_s: 0.1}\n"
          "seeds: [1, 2]\n";
 }
