@@ -233,7 +233,7 @@ void RobotPipeline::poll_back_end(Timestamp now) {
   auto result = back_end_.take(now);
   if (!result) return;
   back_end_busy_ = false;
-  back_end_cpu_.push_back(result->cpu);
+  back_end_ms_.add(1e3 * to_seconds(result->cpu));
   if (std::exchange(discard_result_, false)) return;
   if (const auto cause = health_.check(*result->window)) return reset(*cause);
   const bool first = window_ == nullptr;

@@ -20,6 +20,7 @@
 #include "robot/tracking/feature_tracker.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
+#include "shared/core/histogram.hpp"
 #include "shared/model/camera_frame.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
@@ -116,7 +117,7 @@ class RobotPipeline {
   /// cause.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of add_imu
-  [[nodiscard]] const std::vector<Duration>& back_end_cpu() const { return back_end_cpu_; }
+  [[nodiscard]] const Histogram& back_end_ms() const { return back_end_ms_; }
 
  private:
   void handle_imu(const ImuSample& sample);
@@ -171,7 +172,7 @@ class RobotPipeline {
   std::optional<MapOdomEstimate> start_;   // of the session
   std::vector<FrameOutput> frames_;
   std::vector<LocalizationOutput> answers_;
-  std::vector<Duration> back_end_cpu_;
+  Histogram back_end_ms_;
   std::uint64_t submaps_built_ = 0;
   std::uint64_t corrections_applied_ = 0;
   std::uint64_t corrections_ignored_ = 0;

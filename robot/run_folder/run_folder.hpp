@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/core/histogram.hpp"
 #include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
 
@@ -55,9 +56,9 @@ struct RunSummary {
   bool interrupted = false;  ///< by a signal, before the end of the dataset
   double wall_s = 0.0;
   double cpu_s = 0.0;
-  std::vector<double> decode_ms;    ///< of each frame
-  std::vector<double> tracking_ms;  ///< of each frame
-  std::vector<double> backend_ms;   ///< of each keyframe
+  Histogram decode_ms;    ///< of each frame
+  Histogram tracking_ms;  ///< of each frame
+  Histogram backend_ms;   ///< of each keyframe
   double fusion_us_per_imu = 0.0;
   std::uint64_t max_rss_bytes = 0;
 };

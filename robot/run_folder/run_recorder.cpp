@@ -14,7 +14,7 @@ double seconds(const timeval& time) {
 void RunRecorder::record(RobotPipeline& pipeline, const CloudClient::Traffic& traffic) {
   for (const FrameOutput& frame : pipeline.take_frames()) {
     if (!frame.refused.empty()) continue;  // has no pose, and an invalid stamp
-    summary_.tracking_ms.push_back(1e3 * to_seconds(frame.tracking_cpu));
+    summary_.tracking_ms.add(1e3 * to_seconds(frame.tracking_cpu));
     folder_.add_frame({.pose = frame.pose,
                        .uplink_bytes = traffic.uplink_bytes,
                        .downlink_bytes = traffic.downlink_bytes,
@@ -37,9 +37,7 @@ void RunRecorder::record(RobotPipeline& pipeline, const CloudClient::Traffic& tr
 void RunRecorder::finish(const RobotPipeline& pipeline,
                          const CloudClient::Traffic& traffic,
                          const End& end) {
-  for (const Duration cpu : pipeline.back_end_cpu()) {
-    summary_.backend_ms.push_back(1e3 * to_seconds(cpu));
-  }
+  summary_.backend_ms = pipeline.back_end_ms();
   summary_.keyframes = pipeline.keyframes();
   summary_.submaps_sent = traffic.submaps_sent;
   summary_.corrections_applied = pipeline.corrections_applied();

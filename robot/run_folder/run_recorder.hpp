@@ -19,7 +19,7 @@ class RunRecorder {
 
   void write_config(const std::string& yaml) const { folder_.write_config(yaml); }
   void add_imu_rate_pose(const PoseEstimate& pose) { folder_.add_imu_rate_pose(pose); }
-  void add_decoding(Duration cpu) { summary_.decode_ms.push_back(1e3 * to_seconds(cpu)); }
+  void add_decoding(Duration cpu) { summary_.decode_ms.add(1e3 * to_seconds(cpu)); }
 
   /// Writes the pipeline's outputs since the last call.
   void record(RobotPipeline& pipeline, const CloudClient::Traffic& traffic);

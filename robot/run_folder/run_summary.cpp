@@ -1,33 +1,26 @@
 #include "robot/run_folder/run_summary.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
-
-#include "shared/core/percentile.hpp"
 
 namespace fleetloc {
 namespace {
 
 using nlohmann::json;
 
-double sum(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
 json optional(const std::optional<double>& value) {
   return value ? json(*value) : json(nullptr);
 }
 
-json percentiles(const std::vector<double>& values) {
-  return {{"p50", optional(percentile(values, 0.5))}, {"p99", optional(percentile(values, 0.99))}};
+json percentiles(const Histogram& values) {
+  return {{"p50", optional(values.percentile(0.5))}, {"p99", optional(values.percentile(0.99))}};
 }
 
 }  // namespace
 
 json to_json(const RunSummary& summary, const RunTimes& times) {
-  const double cpu_ms = sum(summary.tracking_ms) + sum(summary.backend_ms);
+  const double cpu_ms = summary.tracking_ms.sum() + summary.backend_ms.sum();
   const auto frames = static_cast<double>(std::max<std::uint64_t>(summary.frames, 1));
   return {{"frames", summary.frames},
           {"keyframes", summary.keyframes},

@@ -74,7 +74,7 @@ inline void write_run(const std::filesystem::path& folder, bool with_answers) {
   RunSummary summary;
   summary.submaps_sent = 4711;
   summary.uplink_bytes = 599'000;
-  summary.tracking_ms = {1.0, 2.0, 3.25};
+  for (const double ms : {1.0, 2.0, 3.25}) summary.tracking_ms.add(ms);
   summary.input_faults = {{"imu_gaps", 2}};
   run.finish(summary);
 }

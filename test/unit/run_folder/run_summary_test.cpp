@@ -131,9 +131,9 @@ TEST_F(Summary, CountsTrackingAndBackEndAsTimePerFrame) {
   RunFolder run(folder_);
   for (int i = 0; i < 4; ++i) run.add_frame(frame(0.05 * i, Quality::kLocalized));
   RunSummary figures;
-  figures.decode_ms = {100.0};  // is no part of it
-  figures.tracking_ms = {1.0, 2.0, 3.0, 4.0};
-  figures.backend_ms = {6.0};
+  figures.decode_ms.add(100.0);  // is no part of it
+  for (const double ms : {1.0, 2.0, 3.0, 4.0}) figures.tracking_ms.add(ms);
+  figures.backend_ms.add(6.0);
   run.finish(figures);
   const auto json = summary();
   EXPECT_DOUBLE_EQ(json.at("cpu_ms_per_frame").get<double>(), (1.0 + 2.0 + 3.0 + 4.0 + 6.0) / 4.0);
