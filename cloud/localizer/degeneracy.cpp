@@ -38,6 +38,14 @@ Matrix6d WindowMotion::J_body_motion(const Pose& T_map_body) const {
   return J;
 }
 
+Vector6d WindowMotion::gradient(const Eigen::Vector3d& direction_map,
+                                const Eigen::Vector3d& p_map) const {
+  const Eigen::Vector3d arm = (p_map - center_map) / lever_m;
+  Vector6d result;
+  result << arm.cross(direction_map), direction_map;
+  return result;
+}
+
 MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
                                      const DegeneracyConfig& config) {
   MapConstraint result;
@@ -50,10 +58,7 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
   double spurious = 0.0;
   for (const MapMatch& match : matches) {
     const Eigen::Vector3d& n = match.normal;
-    const Eigen::Vector3d arm =
-        (match.landmark.p_map - result.motion.center_map) / result.motion.lever_m;
-    Vector6d gradient;
-    gradient << arm.cross(n), n;
+    const Vector6d gradient = result.motion.gradient(n, match.landmark.p_map);
     const double weight =
         1.0 / (match.sigma_m * match.sigma_m + n.dot(match.landmark.covariance * n));
     information += weight * gradient * gradient.transpose();

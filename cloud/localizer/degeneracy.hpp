@@ -18,6 +18,10 @@ struct WindowMotion {
 
   /// Jacobian of the right perturbation of T_map_body by the coordinates.
   [[nodiscard]] Matrix6d J_body_motion(const Pose& T_map_body) const;
+
+  /// Gradient of direction_map . p_map by the coordinates, for a point of the window.
+  [[nodiscard]] Vector6d gradient(const Eigen::Vector3d& direction_map,
+                                  const Eigen::Vector3d& p_map) const;
 };
 
 struct DegeneracyConfig {

@@ -63,23 +63,16 @@ struct System {
   Matrix6d H = Matrix6d::Zero();
   Vector6d g = Vector6d::Zero();
 
-  void add(const Eigen::Vector3d& direction,
-           const Eigen::Vector3d& arm,
-           double error,
-           double weight) {
-    Vector6d J;
-    J << arm.cross(direction), direction;
+  void add(const Vector6d& J, double error, double weight) {
     H += weight * J * J.transpose();
     g += weight * error * J;
   }
 };
 
-// One match, by a motion about `center_map`.
 void add_match(const MapMatch& match,
-               const Eigen::Vector3d& center_map,
+               const WindowMotion& motion,
                const RigidAlignment::Config& config,
                System& s) {
-  const Eigen::Vector3d arm = match.landmark.p_map - center_map;
   const Eigen::Vector3d d = match.landmark.p_map - match.q_map;
   const double sigma = match.sigma_m * match.widening;
   const auto add = [&](const Eigen::Vector3d& direction) {
@@ -89,7 +82,7 @@ void add_match(const MapMatch& match,
     const double robust = 1.0 / (1.0 + sigmas * sigmas);
     const bool is_before = error * direction.dot(match.landmark.viewpoint_map - match.q_map) > 0.0;
     const double likely = match.is_level && is_before ? config.lifted_weight : 1.0;
-    s.add(direction, arm, error, likely * robust / variance);
+    s.add(motion.gradient(direction, match.landmark.p_map), error, likely * robust / variance);
   };
   if (match.is_planar) return add(match.normal);
   for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis));
@@ -125,7 +118,7 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
     const WindowMotion motion{T_map_body.p, 1.0};
     System system;
     for (const MapMatch& match : associate(placed, map_, gate_m, association_).matches) {
-      add_match(match, motion.center_map, config_, system);
+      add_match(match, motion, config_, system);
     }
     const Vector6d error = local_coordinates(prior.T_map_body, T_map_body);
     const Matrix6d J = right_jacobian_inverse_se3(error) * motion.J_body_motion(T_map_body);

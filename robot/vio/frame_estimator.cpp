@@ -9,6 +9,7 @@
 
 #include "robot/inertial/imu_factor.hpp"
 #include "robot/vio/pose_alignment.hpp"
+#include "robot/vio/state_jacobians.hpp"
 #include "shared/core/percentile.hpp"
 #include "shared/geometry/so3.hpp"
 
@@ -103,10 +104,7 @@ Refinement refined(const LocalState& prediction,
 Matrix15d with_keyframe(const LocalState& local,
                         const NavState& keyframe,
                         const Matrix6d& keyframe_covariance) {
-  Eigen::Matrix<double, 15, 6> J = Eigen::Matrix<double, 15, 6>::Zero();
-  const Pose& T_odom_keyframe = keyframe.T_odom_body;
-  J.topRows<6>() = adjoint(inverse(local.state.T_odom_body) * T_odom_keyframe);
-  J.block<3, 3>(6, 0) = -hat(local.state.v_odom) * T_odom_keyframe.R.toRotationMatrix();
+  const auto J = jacobian_by_pose(keyframe.T_odom_body, local.state);
   const Matrix15d sum = local.covariance + J * keyframe_covariance * J.transpose();
   return 0.5 * (sum + sum.transpose());
 }

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "robot/vio/gauge_factor.hpp"
+#include "robot/vio/state_jacobians.hpp"
 #include "robot/vio/window_graph.hpp"
 #include "shared/geometry/so3.hpp"
 
@@ -43,19 +44,6 @@ double tilt_sigma(const Pose& T_odom_body, const Eigen::Matrix3d& rotation_covar
   const Eigen::Matrix3d R = T_odom_body.R.toRotationMatrix();
   const Eigen::Matrix3d covariance_odom = R * rotation_covariance * R.transpose();
   return std::sqrt(0.5 * (covariance_odom(0, 0) + covariance_odom(1, 1)));
-}
-
-// Jacobian of `state` (tangent) with respect to yaw and position of another pose, moved as one.
-Eigen::Matrix<double, 15, 4> jacobian_by_yaw_and_position(const Pose& T_odom_other,
-                                                          const NavState& state) {
-  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Matrix3d R_body_odom = state.T_odom_body.R.toRotationMatrix().transpose();
-  Eigen::Matrix<double, 15, 4> J = Eigen::Matrix<double, 15, 4>::Zero();
-  J.block<3, 1>(0, 0) = R_body_odom * up;
-  J.block<3, 1>(3, 0) = R_body_odom * up.cross(state.T_odom_body.p - T_odom_other.p);
-  J.block<3, 3>(3, 1) = R_body_odom;
-  J.block<3, 1>(6, 0) = up.cross(state.v_odom);
-  return J;
 }
 
 // Sigma of depth / depth in `newest`, poses taken as known.

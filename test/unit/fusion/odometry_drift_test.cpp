@@ -137,5 +137,30 @@ TEST(OdometryDrift, IsWhatAnEstimateIsRevisedBy) {
   EXPECT_LT((moved - expected).norm(), 1e-9 * expected.norm()) << moved << "\n\n" << expected;
 }
 
+TEST(VarianceChange, CountsEveryStepOfOneDirection) {
+  VarianceChange change;
+  EXPECT_EQ(change.update(1.0).up, 0.0);  // the first has nothing to compare with
+  EXPECT_DOUBLE_EQ(change.update(1.5).up, 0.5);
+  EXPECT_DOUBLE_EQ(change.update(3.0).up, 1.5);
+}
+
+TEST(VarianceChange, IgnoresAReversalByLessThanItsHysteresis) {
+  VarianceChange change;
+  change.update(1.0);
+  change.update(2.0);
+  EXPECT_EQ(change.update(1.5).down, 0.0);  // by a quarter
+  EXPECT_EQ(change.update(2.0).up, 0.0);    // back where it was: no growth either
+  EXPECT_NEAR(change.update(2.2).up, 0.2, 1e-12);
+}
+
+TEST(VarianceChange, CountsALargerReversalWhole) {
+  VarianceChange change;
+  change.update(1.0);
+  change.update(2.0);
+  EXPECT_DOUBLE_EQ(change.update(1.0).down, 1.0);
+  EXPECT_EQ(change.update(1.2).up, 0.0);
+  EXPECT_DOUBLE_EQ(change.update(1.6).up, 0.6);
+}
+
 }  // namespace
 }  // namespace fleetloc

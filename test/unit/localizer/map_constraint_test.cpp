@@ -78,6 +78,21 @@ TEST(WindowMotion, MovesABodyAsItsJacobianSays) {
   }
 }
 
+TEST(WindowMotion, MovesAPointAsItsGradientSays) {
+  const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
+  const Eigen::Vector3d p_map{3.0, -4.0, 2.0};
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.3, -0.5, 0.9).normalized();
+  const auto along = [&](const Vector6d& coordinates) {
+    const Eigen::Quaterniond R = exp_so3(coordinates.head<3>() / motion.lever_m);
+    return direction.dot(motion.center_map + R * (p_map - motion.center_map) +
+                         coordinates.tail<3>());
+  };
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d step = 1e-6 * Vector6d::Unit(i);
+    EXPECT_NEAR(motion.gradient(direction, p_map)(i), (along(step) - along(-step)) / 2e-6, 1e-8);
+  }
+}
+
 TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
   const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
