@@ -23,7 +23,7 @@ string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
 set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds)?" "fastcdr/=shared/wire"
-    "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world")
+    "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)
   set(index 0)
