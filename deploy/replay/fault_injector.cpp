@@ -133,8 +133,13 @@ FaultPlan read_fault_plan(ConfigReader config) {
   return plan;
 }
 
-FaultInjector::FaultInjector(DatasetReader reader, FaultPlan plan)
-    : reader_(std::move(reader)), plan_(std::move(plan)), injected_(plan_.faults.size(), 0) {
+FaultInjector::FaultInjector(std::unique_ptr<SensorSource> recording,
+                             Timestamp start,
+                             FaultPlan plan)
+    : recording_(std::move(recording)),
+      start_(start),
+      plan_(std::move(plan)),
+      injected_(plan_.faults.size(), 0) {
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     std::seed_seq seed{static_cast<std::uint32_t>(plan_.seed),
                        static_cast<std::uint32_t>(plan_.seed >> 32U),
@@ -143,19 +148,19 @@ FaultInjector::FaultInjector(DatasetReader reader, FaultPlan plan)
   }
 }
 
-std::map<std::string, std::uint64_t> FaultInjector::faults() const {
-  std::map<std::string, std::uint64_t> faults = reader_.faults();
+std::map<std::string, std::uint64_t> FaultInjector::close() {
+  std::map<std::string, std::uint64_t> faults = recording_->close();
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     faults["injected_" + std::string(name(plan_.faults[i].kind))] += injected_[i];
   }
   return faults;
 }
 
-std::optional<DatasetReader::Item> FaultInjector::next() {
+std::optional<SensorMeasurement> FaultInjector::next(const std::stop_token& stop) {
   while (ready_.empty()) {
-    auto item = reader_.next();
-    if (item) {
-      std::visit([this](auto& measurement) { take(std::move(measurement)); }, *item);
+    auto measurement = recording_->next(stop);
+    if (measurement) {
+      std::visit([this](auto& any) { take(std::move(any)); }, *measurement);
     } else if (late_frame_) {
       ready_.push_back(*std::exchange(late_frame_, std::nullopt));
     } else if (late_sample_) {
@@ -164,14 +169,14 @@ std::optional<DatasetReader::Item> FaultInjector::next() {
       return std::nullopt;
     }
   }
-  DatasetReader::Item item = std::move(ready_.front());
+  SensorMeasurement measurement = std::move(ready_.front());
   ready_.pop_front();
-  return item;
+  return measurement;
 }
 
 bool FaultInjector::occurs(std::size_t fault, Timestamp stamp) {
   const Fault& plan = plan_.faults[fault];
-  const Duration since = stamp - reader_.recording_start() - from_seconds(plan.start_s);
+  const Duration since = stamp - start_ - from_seconds(plan.start_s);
   if (since < Duration{} || since >= from_seconds(plan.duration_s)) return false;
   const bool occurs = plan.share >= 1.0 || uniform(random_[fault]) < plan.share;
   injected_[fault] += occurs ? 1 : 0;
@@ -218,16 +223,16 @@ void FaultInjector::take(const ImuSample& sample) {
   if (!dropped) deliver(faulty, late_sample_, doubled, late);
 }
 
-void FaultInjector::deliver(DatasetReader::Item item,
-                            std::optional<DatasetReader::Item>& held_back,
+void FaultInjector::deliver(SensorMeasurement measurement,
+                            std::optional<SensorMeasurement>& held_back,
                             bool twice,
                             bool late) {
   if (late && !held_back) {
-    held_back = std::move(item);
+    held_back = std::move(measurement);
     return;
   }
-  if (twice) ready_.push_back(item);
-  ready_.push_back(std::move(item));
+  if (twice) ready_.push_back(measurement);
+  ready_.push_back(std::move(measurement));
   if (held_back) ready_.push_back(*std::exchange(held_back, std::nullopt));
 }
 

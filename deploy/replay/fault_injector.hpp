@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "robot/dataset/dataset_reader.hpp"
+#include "robot/sensors/sensor_source.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -49,37 +50,42 @@ struct FaultPlan {
 /// disordered and non-finite measurements add `share`.
 FaultPlan read_fault_plan(ConfigReader config);
 
-/// Plays a recording with the faults of a plan. Causal, and the same for one seed.
-class FaultInjector {
+/// A recording with the faults of a plan. Causal, and the same for one seed.
+class FaultInjector final : public SensorSource {
  public:
-  FaultInjector(DatasetReader reader, FaultPlan plan);
+  /// @param start  from which the plan counts time
+  FaultInjector(std::unique_ptr<SensorSource> recording, Timestamp start, FaultPlan plan);
 
-  /// As DatasetReader::next, but stamps may repeat and go back.
-  std::optional<DatasetReader::Item> next();
+  /// Stamps may repeat and go back.
+  std::optional<SensorMeasurement> next(const std::stop_token& stop) override;
+  using SensorSource::next;
 
-  [[nodiscard]] const DatasetReader& reader() const { return reader_; }
+  [[nodiscard]] std::optional<std::size_t> frame_count() const override {
+    return recording_->frame_count();
+  }
 
-  /// The reader's own, and by "injected_" and the name of the kind how many measurements were
-  /// touched so far.
-  [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
+  /// The recording's own, and by "injected_" and the name of the kind how many measurements were
+  /// touched.
+  std::map<std::string, std::uint64_t> close() override;
 
  private:
   bool occurs(std::size_t fault, Timestamp stamp);
   void take(CameraFrame frame);
   void take(const ImuSample& sample);
-  void deliver(DatasetReader::Item item,
-               std::optional<DatasetReader::Item>& held_back,
+  void deliver(SensorMeasurement measurement,
+               std::optional<SensorMeasurement>& held_back,
                bool twice,
                bool late);
 
-  DatasetReader reader_;
+  std::unique_ptr<SensorSource> recording_;
+  Timestamp start_;
   FaultPlan plan_;
   std::vector<std::mt19937_64> random_;    // of each fault, so that none disturbs another
   std::vector<std::uint64_t> injected_;    // by each fault
   std::optional<CameraFrame> last_frame_;  // before its successor came, as it was given out
-  std::optional<DatasetReader::Item> late_frame_;
-  std::optional<DatasetReader::Item> late_sample_;
-  std::deque<DatasetReader::Item> ready_;
+  std::optional<SensorMeasurement> late_frame_;
+  std::optional<SensorMeasurement> late_sample_;
+  std::deque<SensorMeasurement> ready_;
 };
 
 }  // namespace fleetloc

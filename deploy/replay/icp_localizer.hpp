@@ -30,12 +30,14 @@ class IcpLocalizer final : public MapLocalizer {
                const Config& config,
                Duration localization_time);
 
+  void update(Timestamp /*now*/, Quality /*quality*/) override {}
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
   [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
   void note_applied() override {}
   void update_start(const MapOdomEstimate&) override {}  // there is no other localizer to start
+  [[nodiscard]] LinkTraffic traffic() const override { return {}; }
 
  private:
   struct Running {

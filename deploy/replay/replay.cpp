@@ -1,16 +1,18 @@
 #include "deploy/replay/replay.hpp"
 
-#include <chrono>
 #include <memory>
 #include <utility>
 
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
+#include "deploy/replay/align_once.hpp"
 #include "deploy/replay/fault_injector.hpp"
+#include "deploy/replay/localizer_decorator.hpp"
 #include "deploy/replay/simulated_back_end.hpp"
 #include "deploy/replay/simulated_cloud.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "robot/run_folder/run_recorder.hpp"
-#include "shared/config/progress_line.hpp"
+#include "robot/runtime/robot_runtime.hpp"
 #include "shared/core/cpu_time.hpp"
 #include "shared/link/memory_network.hpp"
 
@@ -20,22 +22,35 @@ namespace {
 constexpr const char* kRobot = "robot";
 constexpr const char* kLocalizer = "localizer";
 
-/// The localization back end behind the robot's MapLocalizer, in simulated time.
-class LocalizationBackend {
+/// The localization behind the robot's MapLocalizer, in simulated time.
+class Localization {
  public:
-  LocalizationBackend() = default;
-  virtual ~LocalizationBackend() = default;
-  LocalizationBackend(const LocalizationBackend&) = delete;
-  LocalizationBackend& operator=(const LocalizationBackend&) = delete;
+  Localization() = default;
+  virtual ~Localization() = default;
+  Localization(const Localization&) = delete;
+  Localization& operator=(const Localization&) = delete;
 
   [[nodiscard]] virtual MapLocalizer& localizer() = 0;
-  virtual void advance(const PoseEstimate&) {}
-  [[nodiscard]] virtual CloudClient::Traffic traffic() const { return {}; }
   virtual void finish(const std::filesystem::path&) const {}
 };
 
+/// The robot's client, which takes the far side of the network along with its time.
+class SimulatedClient final : public LocalizerDecorator {
+ public:
+  SimulatedClient(CloudClient& client, SimulatedCloud& cloud)
+      : LocalizerDecorator(client), cloud_(cloud) {}
+
+  void update(Timestamp now, Quality quality) override {
+    LocalizerDecorator::update(now, quality);
+    cloud_.advance(now);
+  }
+
+ private:
+  SimulatedCloud& cloud_;
+};
+
 /// Link and cloud.
-class Cloud final : public LocalizationBackend {
+class Cloud final : public Localization {
  public:
   Cloud(const ReplayOptions& options, const ReplayConfig& config)
       : network_(options.link),
@@ -48,14 +63,10 @@ class Cloud final : public LocalizationBackend {
                *cloud_end_,
                from_seconds(config.durations.localization_s),
                thread_cpu_time),
-        client_(kRobot, *robot_end_, config.client) {}
+        client_(kRobot, *robot_end_, config.client),
+        localizer_(client_, cloud_) {}
 
-  MapLocalizer& localizer() override { return client_; }
-  void advance(const PoseEstimate& pose) override {
-    client_.set_quality(pose.quality);
-    cloud_.advance(pose.stamp);
-  }
-  [[nodiscard]] CloudClient::Traffic traffic() const override { return client_.traffic(); }
+  MapLocalizer& localizer() override { return localizer_; }
   void finish(const std::filesystem::path& out) const override {
     write_sessions(out / "sessions.json", cloud_.pool().reports());
   }
@@ -66,9 +77,10 @@ class Cloud final : public LocalizationBackend {
   std::unique_ptr<Channel> cloud_end_;
   SimulatedCloud cloud_;
   CloudClient client_;
+  SimulatedClient localizer_;
 };
 
-class IcpBaseline final : public LocalizationBackend {
+class IcpBaseline final : public Localization {
  public:
   IcpBaseline(const ReplayOptions& options, const ReplayConfig& config)
       : localizer_(std::make_shared<const LaserMap>(load_map(*options.map)),
@@ -81,102 +93,89 @@ class IcpBaseline final : public LocalizationBackend {
   IcpLocalizer localizer_;
 };
 
-std::unique_ptr<LocalizationBackend> localization_backend(const ReplayOptions& options,
-                                                          const ReplayConfig& config) {
+/// The same, for the first applied answer only.
+class AlignedOnce final : public Localization {
+ public:
+  explicit AlignedOnce(std::unique_ptr<Localization> localization)
+      : localization_(std::move(localization)), localizer_(localization_->localizer()) {}
+
+  MapLocalizer& localizer() override { return localizer_; }
+  void finish(const std::filesystem::path& out) const override { localization_->finish(out); }
+
+ private:
+  std::unique_ptr<Localization> localization_;
+  AlignOnce localizer_;
+};
+
+std::unique_ptr<Localization> localization(const ReplayOptions& options,
+                                           const ReplayConfig& config) {
   if (!options.map) return nullptr;
-  if (options.icp_baseline) return std::make_unique<IcpBaseline>(options, config);
-  return std::make_unique<Cloud>(options, config);
+  std::unique_ptr<Localization> made;
+  if (options.icp_baseline) {
+    made = std::make_unique<IcpBaseline>(options, config);
+  } else {
+    made = std::make_unique<Cloud>(options, config);
+  }
+  return options.align_once ? std::make_unique<AlignedOnce>(std::move(made)) : std::move(made);
 }
 
-/// One replay: the parts, and what happens at each item of the dataset.
+FaultInjector with_faults(std::unique_ptr<DatasetReader> recording, const FaultPlan& plan) {
+  const Timestamp start = recording->recording_start();
+  return {std::move(recording), start, plan};
+}
+
+/// One replay: what is plugged into the robot's runtime.
 class Replay {
  public:
   Replay(const ReplayOptions& options, const ReplayConfig& config)
-      : input_(DatasetReader({.folder = options.dataset,
-                              .start_s = options.start_s,
-                              .duration_s = options.duration_s,
-                              .tracks = options.tracks}),
-               options.faults),
-        localization_(localization_backend(options, config)),
-        back_end_(KeyframeWorker(rectified(input_.reader().calibration()),
-                                 input_.reader().imu_noise(),
+      : Replay(
+            options,
+            config,
+            std::make_unique<DatasetReader>(DatasetReader::Options{.folder = options.dataset,
+                                                                   .start_s = options.start_s,
+                                                                   .duration_s = options.duration_s,
+                                                                   .tracks = options.tracks})) {}
+
+  void run(const std::stop_token& stop) {
+    runtime_.run(stop);
+    if (localization_) localization_->finish(out_);
+  }
+
+ private:
+  Replay(const ReplayOptions& options,
+         const ReplayConfig& config,
+         std::unique_ptr<DatasetReader> recording)
+      : localization_(localization(options, config)),
+        localizer_(localization_ ? &localization_->localizer() : nullptr),
+        back_end_(KeyframeWorker(rectified(recording->calibration()),
+                                 recording->imu_noise(),
                                  config.worker,
                                  thread_cpu_time),
                   from_seconds(config.durations.back_end_s)),
-        pipeline_({.id = kRobot,
-                   .calibration = input_.reader().calibration(),
-                   .imu_noise = input_.reader().imu_noise(),
-                   .T_map_body = options.T_map_body,
-                   .align_once = options.align_once},
-                  config.pipeline,
-                  back_end_,
-                  localization_ ? &localization_->localizer() : nullptr,
-                  thread_cpu_time),
+        robot_({.id = kRobot,
+                .calibration = recording->calibration(),
+                .imu_noise = recording->imu_noise(),
+                .T_map_body = options.T_map_body},
+               config.pipeline,
+               back_end_,
+               localizer_,
+               thread_cpu_time),
         recorder_(options.out),
+        sensors_(with_faults(std::move(recording), options.faults)),
+        runtime_("frames", sensors_, robot_, localizer_, {recorder_}),
         out_(options.out) {
     recorder_.write_config(options.config);
   }
 
-  void run(const std::stop_token& stop);
-
- private:
-  std::optional<DatasetReader::Item> next();
-  void take(const ImuSample& sample);
-  [[nodiscard]] CloudClient::Traffic traffic() const {
-    return localization_ ? localization_->traffic() : CloudClient::Traffic{};
-  }
-
-  FaultInjector input_;
-  std::unique_ptr<LocalizationBackend> localization_;
+  std::unique_ptr<Localization> localization_;
+  MapLocalizer* localizer_;
   SimulatedBackEnd back_end_;
-  RobotPipeline pipeline_;
+  RobotPipeline robot_;
   RunRecorder recorder_;
+  FaultInjector sensors_;
+  RobotRuntime runtime_;
   std::filesystem::path out_;
 };
-
-std::optional<DatasetReader::Item> Replay::next() {
-  const Duration begin = thread_cpu_time();
-  auto item = input_.next();
-  if (item && std::holds_alternative<CameraFrame>(*item)) {
-    recorder_.add_decoding(thread_cpu_time() - begin);
-  }
-  return item;
-}
-
-void Replay::take(const ImuSample& sample) {
-  const auto pose = pipeline_.add_imu(sample);
-  if (!pose) return;  // refused: neither its content nor its stamp can be trusted
-  recorder_.add_imu_rate_pose(*pose);
-  if (localization_) localization_->advance(*pose);
-  pipeline_.poll(pose->stamp);
-  recorder_.record(pipeline_, traffic());
-}
-
-void Replay::run(const std::stop_token& stop) {
-  const auto begin = std::chrono::steady_clock::now();
-  std::size_t frames = 0;
-  {
-    ProgressLine progress("frames");
-    while (!stop.stop_requested()) {
-      auto item = next();
-      if (!item) break;
-      if (const auto* sample = std::get_if<ImuSample>(&*item)) {
-        take(*sample);
-      } else {
-        pipeline_.add_frame(std::get<CameraFrame>(std::move(*item)));
-        progress.show(++frames, input_.reader().frame_count());
-      }
-    }
-  }
-  recorder_.record(pipeline_, traffic());
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  recorder_.finish(pipeline_,
-                   traffic(),
-                   {.interrupted = stop.stop_requested(),
-                    .wall_s = wall.count(),
-                    .input_faults = input_.faults()});
-  if (localization_) localization_->finish(out_);
-}
 
 }  // namespace
 

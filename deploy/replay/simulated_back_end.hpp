@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "robot/pipeline/back_end.hpp"
+#include "robot/odometry/back_end.hpp"
 
 namespace fleetloc {
 

@@ -279,7 +279,7 @@ CloudClient::Statistics CloudClient::statistics() const {
   return statistics;
 }
 
-CloudClient::Traffic CloudClient::traffic() const {
+LinkTraffic CloudClient::traffic() const {
   const ChannelStatistics bytes = channel_.statistics();
   return {.submaps_sent = statistics_.submaps_sent,
           .uplink_bytes = bytes.sent_payload_bytes,

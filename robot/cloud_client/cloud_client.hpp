@@ -44,19 +44,10 @@ class CloudClient final : public MapLocalizer {
     std::string localizer;
   };
 
-  /// Traffic of the robot's end of the network since the program started.
-  struct Traffic {
-    std::uint64_t submaps_sent = 0;
-    std::uint64_t uplink_bytes = 0;    ///< payload
-    std::uint64_t downlink_bytes = 0;  ///< payload
-    std::uint64_t uplink_wire_bytes = 0;
-    std::uint64_t downlink_wire_bytes = 0;
-    double loss = 0.0;  ///< see Statistics
-    std::optional<Duration> round_trip;
-  };
-
   CloudClient(RobotId robot, Channel& channel, const Config& config);
 
+  /// The next RobotStatus reports the quality.
+  void update(Timestamp /*now*/, Quality quality) override { quality_ = quality; }
   void start_session(const RobotSession& session, Timestamp now) override;
   void submit(Submap submap, Timestamp now) override;
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
@@ -66,11 +57,8 @@ class CloudClient final : public MapLocalizer {
   void note_applied() override;
   void update_start(const MapOdomEstimate& start) override { newest_start_ = start; }
 
-  /// The quality that the next RobotStatus reports.
-  void set_quality(Quality quality) { quality_ = quality; }
-
   [[nodiscard]] Statistics statistics() const;
-  [[nodiscard]] Traffic traffic() const;
+  [[nodiscard]] LinkTraffic traffic() const override;
   /// Changes of the localizer and id conflicts since the last call, each a line for a log.
   std::vector<std::string> take_events();
 

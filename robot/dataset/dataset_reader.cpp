@@ -116,8 +116,8 @@ CameraFrame DatasetReader::read_next_frame() {
   return frame;
 }
 
-std::optional<DatasetReader::Item> DatasetReader::next() {
-  if (finished_) return std::nullopt;
+std::optional<SensorMeasurement> DatasetReader::next(const std::stop_token& stop) {
+  if (finished_ || stop.stop_requested()) return std::nullopt;
   const std::vector<Timestamp>& stamps = frames_->stamps();
   const bool frames_left = next_frame_ < end_frame_;
   if (frames_left && (!imu_sample_ || stamps[next_frame_] < imu_sample_->stamp)) {
@@ -129,11 +129,6 @@ std::optional<DatasetReader::Item> DatasetReader::next() {
   if (!finished_) read_imu_sample();
   if (!imu_sample_ && next_frame_ < end_frame_) ++faults_["imu_gaps"];  // its end is missing
   return sample;
-}
-
-Timestamp stamp_of(const DatasetReader::Item& item) {
-  if (const auto* sample = std::get_if<ImuSample>(&item)) return sample->stamp;
-  return stamp_of(std::get<CameraFrame>(item));
 }
 
 }  // namespace fleetloc

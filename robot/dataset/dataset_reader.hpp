@@ -7,10 +7,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "robot/dataset/frame_source.hpp"
+#include "robot/sensors/sensor_source.hpp"
 #include "shared/config/delimited_file.hpp"
 #include "shared/dataset/dataset_error.hpp"
 #include "shared/model/camera.hpp"
@@ -22,10 +22,8 @@ namespace fleetloc {
 /// comes before a frame of the same stamp. The IMU record begins one second before the first frame
 /// that is played and ends with the first sample after the last one. Frames are read in next(),
 /// never ahead. The body is the IMU, whatever frame the files state their poses in.
-class DatasetReader {
+class DatasetReader final : public SensorSource {
  public:
-  using Item = std::variant<ImuSample, CameraFrame>;
-
   struct Options {
     std::filesystem::path folder;  ///< that holds mav0, or mav0 itself
     double start_s = 0.0;          ///< of the recording to skip, from its first frame
@@ -42,15 +40,18 @@ class DatasetReader {
   /// The first frame of the whole recording, whatever part of it is selected.
   [[nodiscard]] Timestamp recording_start() const { return recording_start_; }
 
-  /// Frames of the selected part.
-  [[nodiscard]] std::size_t frame_count() const { return end_frame_ - first_frame_; }
+  /// Of the selected part.
+  [[nodiscard]] std::optional<std::size_t> frame_count() const override {
+    return end_frame_ - first_frame_;
+  }
 
-  /// The next measurement; nothing at the end. Throws DatasetError that names file and line.
-  std::optional<Item> next();
+  /// Throws DatasetError that names file and line.
+  std::optional<SensorMeasurement> next(const std::stop_token& stop) override;
+  using SensorSource::next;
 
-  /// Recoverable faults so far, by kind: "unpaired_images" (their frame has one empty image),
-  /// "dropped_frames" and "imu_gaps", by the rates that the sensors' files state.
-  [[nodiscard]] const std::map<std::string, std::uint64_t>& faults() const { return faults_; }
+  /// "unpaired_images" (their frame has one empty image), "dropped_frames" and "imu_gaps", by the
+  /// rates that the sensors' files state.
+  std::map<std::string, std::uint64_t> close() override { return faults_; }
 
  private:
   void read_calibration(const std::filesystem::path& mav0);
@@ -73,7 +74,5 @@ class DatasetReader {
   std::map<std::string, std::uint64_t> faults_ = {
       {"unpaired_images", 0}, {"dropped_frames", 0}, {"imu_gaps", 0}};
 };
-
-Timestamp stamp_of(const DatasetReader::Item& item);
 
 }  // namespace fleetloc

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "robot/dataset/image_file.hpp"
+#include "shared/core/cpu_time.hpp"
 #include "shared/dataset/dataset_error.hpp"
 
 namespace fleetloc {
@@ -36,9 +37,11 @@ StereoImages::StereoImages(const std::filesystem::path& mav0, StereoCalibration 
 CameraFrame StereoImages::read(std::size_t index) {
   const StereoEntry& entry = entries_[index];
   StereoFrame frame;
+  const Duration begin = thread_cpu_time();
   frame.stamp = entry.stamp;
   if (entry.left) frame.left = load(*entry.left, calibration_.cam0);
   if (entry.right) frame.right = load(*entry.right, calibration_.cam1);
+  frame.decoding_cpu = thread_cpu_time() - begin;
   return frame;
 }
 

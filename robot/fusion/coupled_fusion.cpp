@@ -33,16 +33,14 @@ PoseEstimate CoupledFusion::add_imu(const ImuSample& sample) {
   return nothing;
 }
 
-PoseFusion::Verdict CoupledFusion::add_odometry(const OdometryEstimate& estimate) {
-  if (const std::string_view reason = frames_.add_odometry(estimate); !reason.empty()) {
-    return {.applied = false, .reason = reason};
-  }
+expected<void, FusionRejection> CoupledFusion::add_odometry(const OdometryEstimate& estimate) {
+  if (const auto added = frames_.add_odometry(estimate); !added) return added;
   propagate_to_new_frames();
   while (frames_.has_stale() && filter_states_.size() > 1) {
     frames_.forget_oldest();
     filter_states_.pop_front();
   }
-  return {.applied = true, .reason = "applied"};
+  return {};
 }
 
 // Preintegrated about the odometry's biases, so that the result does not depend on the order of
@@ -86,39 +84,29 @@ void CoupledFusion::propagate_to(std::size_t frame, const MapBodyFilter& previou
   state.filter.correct(frames_[frame].odometry.state.T_odom_body);
 }
 
-PoseFusion::Verdict CoupledFusion::add_answer(const LocalizationResult& answer) {
-  if (const std::string_view reason = frames_.why_unusable(answer); !reason.empty()) {
-    return {.applied = false, .reason = reason};
-  }
+AnswerOutcome CoupledFusion::add_answer(const LocalizationResult& answer) {
+  if (const auto usable = frames_.check(answer); !usable) return unexpected(usable.error());
   if (filter_states_.empty() || answer.stamp > frames_[filter_states_.size() - 1].odometry.stamp) {
-    return {.applied = false, .reason = "unknown_stamp"};
+    return unexpected(FusionRejection::kUnknownStamp);
   }
-  const auto taken = frames_.add_answer(answer);
-  if (const auto* reason = std::get_if<std::string_view>(&taken)) {
-    return {.applied = false, .reason = *reason};
-  }
-  const std::size_t frame = std::get<std::size_t>(taken);
-  const int revised = replay_from(frame);
-  const LocalizationOutcome outcome = *frames_[frame].answer->outcome;
-  return {.applied = is_applied(outcome), .reason = name(outcome), .revised = revised};
+  const auto frame = frames_.add_answer(answer);
+  if (!frame) return unexpected(frame.error());
+  replay_from(*frame);
+  return *frames_[*frame].answer->outcome;
 }
 
-int CoupledFusion::replay_from(std::size_t frame) {
-  int revised = 0;
+void CoupledFusion::replay_from(std::size_t frame) {
   for (std::size_t i = frame; i < filter_states_.size(); ++i) {
     if (i > frame) {
       propagate_to(i, newest_);
     }
     newest_ = filter_states_[i].filter;
     if (auto& stored = frames_[i].answer) {
-      const LocalizationOutcome outcome = newest_.apply(stored->measurement, frames_[i].odometry);
-      const std::optional<LocalizationOutcome> before = std::exchange(stored->outcome, outcome);
-      revised += before && is_applied(*before) != is_applied(outcome) ? 1 : 0;
+      stored->outcome = newest_.apply(stored->measurement, frames_[i].odometry);
     }
   }
   map_prediction_ = predict_in_map(
       newest_, frames_[filter_states_.size() - 1].odometry, frames_.last_imu()->stamp);
-  return revised;
 }
 
 MapBodyFilter CoupledFusion::after_answer(std::size_t frame) const {

@@ -24,8 +24,8 @@ class CoupledFusion final : public PoseFusion {
   CoupledFusion(const ImuNoise& noise, const Config& config);
 
   PoseEstimate add_imu(const ImuSample& sample) override;
-  Verdict add_odometry(const OdometryEstimate& estimate) override;
-  Verdict add_answer(const LocalizationResult& answer) override;
+  expected<void, FusionRejection> add_odometry(const OdometryEstimate& estimate) override;
+  AnswerOutcome add_answer(const LocalizationResult& answer) override;
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
@@ -46,7 +46,7 @@ class CoupledFusion final : public PoseFusion {
                                                             const OdometryEstimate& from,
                                                             Timestamp to) const;
   void propagate_to_new_frames();
-  int replay_from(std::size_t frame);
+  void replay_from(std::size_t frame);
   void propagate_to(std::size_t frame, const MapBodyFilter& previous);
 
   Config config_;

@@ -28,13 +28,11 @@ PoseEstimate DecoupledFusion::add_imu(const ImuSample& sample) {
   return nothing;
 }
 
-PoseFusion::Verdict DecoupledFusion::add_odometry(const OdometryEstimate& estimate) {
-  if (const std::string_view reason = frames_.add_odometry(estimate); !reason.empty()) {
-    return {.applied = false, .reason = reason};
-  }
+expected<void, FusionRejection> DecoupledFusion::add_odometry(const OdometryEstimate& estimate) {
+  if (const auto added = frames_.add_odometry(estimate); !added) return added;
   alignment_.drift(frames_.newest().drift);
   forget_old_frames();
-  return {.applied = true, .reason = "applied"};
+  return {};
 }
 
 // Frames that leave the buffer are applied for good to the filter from which replays start.
@@ -49,29 +47,19 @@ void DecoupledFusion::forget_old_frames() {
   }
 }
 
-PoseFusion::Verdict DecoupledFusion::add_answer(const LocalizationResult& answer) {
-  const auto taken = frames_.add_answer(answer);
-  if (const auto* reason = std::get_if<std::string_view>(&taken)) {
-    return {.applied = false, .reason = *reason};
-  }
-  const int revised = replay_answers();
-  const LocalizationOutcome outcome = *frames_[std::get<std::size_t>(taken)].answer->outcome;
-  return {.applied = is_applied(outcome), .reason = name(outcome), .revised = revised};
+AnswerOutcome DecoupledFusion::add_answer(const LocalizationResult& answer) {
+  const auto frame = frames_.add_answer(answer);
+  if (!frame) return unexpected(frame.error());
+  replay_answers();
+  return *frames_[*frame].answer->outcome;
 }
 
-int DecoupledFusion::replay_answers() {
-  int revised = 0;
+void DecoupledFusion::replay_answers() {
   alignment_ = oldest_;
   for (DelayedFrames::Frame& frame : frames_) {
     alignment_.drift(frame.drift);
-    if (frame.answer) {
-      const LocalizationOutcome outcome = alignment_.apply(frame.answer->measurement);
-      const std::optional<LocalizationOutcome> before =
-          std::exchange(frame.answer->outcome, outcome);
-      revised += before && is_applied(*before) != is_applied(outcome) ? 1 : 0;
-    }
+    if (frame.answer) frame.answer->outcome = alignment_.apply(frame.answer->measurement);
   }
-  return revised;
 }
 
 std::optional<PoseEstimate> DecoupledFusion::estimate_at(Timestamp stamp) const {

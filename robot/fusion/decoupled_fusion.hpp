@@ -24,8 +24,8 @@ class DecoupledFusion final : public PoseFusion {
   DecoupledFusion(const ImuNoise& noise, const Config& config);
 
   PoseEstimate add_imu(const ImuSample& sample) override;
-  Verdict add_odometry(const OdometryEstimate& estimate) override;
-  Verdict add_answer(const LocalizationResult& answer) override;
+  expected<void, FusionRejection> add_odometry(const OdometryEstimate& estimate) override;
+  AnswerOutcome add_answer(const LocalizationResult& answer) override;
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
@@ -36,7 +36,7 @@ class DecoupledFusion final : public PoseFusion {
   [[nodiscard]] Matrix6d map_covariance(const MapOdomEstimate& alignment,
                                         const ImuPrediction& prediction) const;
   void forget_old_frames();
-  int replay_answers();
+  void replay_answers();
 
   Config config_;
   DelayedFrames frames_;

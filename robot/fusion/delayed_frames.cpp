@@ -57,15 +57,13 @@ bool DelayedFrames::add_imu(const ImuSample& sample) {
   return true;
 }
 
-std::string_view DelayedFrames::add_odometry(const OdometryEstimate& estimate) {
-  if (!is_finite(estimate)) {
-    return "not_finite";
-  }
+expected<void, FusionRejection> DelayedFrames::add_odometry(const OdometryEstimate& estimate) {
+  if (!is_finite(estimate)) return unexpected(FusionRejection::kNotFinite);
   if (!frames_.empty() && estimate.stamp <= newest().odometry.stamp) {
-    return "older_than_applied";
+    return unexpected(FusionRejection::kOlderThanApplied);
   }
   if (last_imu_ && estimate.stamp < last_imu_->stamp && !imu_.covers(estimate.stamp)) {
-    return "before_imu";
+    return unexpected(FusionRejection::kBeforeImu);
   }
   frames_.push_back({.odometry = estimate, .drift = drift_.step(estimate), .answer = std::nullopt});
   predict_from_newest();
@@ -97,52 +95,46 @@ std::optional<std::size_t> DelayedFrames::index_at(Timestamp stamp) const {
   return static_cast<std::size_t>(std::distance(frames_.begin(), later)) - 1;
 }
 
-std::string_view DelayedFrames::why_unusable(const LocalizationResult& answer) const {
-  if (session_ && answer.session != *session_) {
-    return "wrong_session";
-  }
+expected<void, FusionRejection> DelayedFrames::check(const LocalizationResult& answer) const {
+  if (session_ && answer.session != *session_) return unexpected(FusionRejection::kWrongSession);
   if (answer.status != LocalizationStatus::kLocalized) {
-    return "not_localized";
+    return unexpected(FusionRejection::kNotLocalized);
   }
   if (!is_finite(answer.T_map_body) || !answer.covariance.allFinite()) {
-    return "not_finite";
+    return unexpected(FusionRejection::kNotFinite);
   }
   const bool symmetric = answer.covariance.isApprox(answer.covariance.transpose(), 1e-9);
   if (!symmetric || answer.covariance.llt().info() != Eigen::Success) {
-    return "bad_covariance";
+    return unexpected(FusionRejection::kBadCovariance);
   }
   return {};
 }
 
-std::string_view DelayedFrames::why_no_frame(Timestamp stamp) const {
+expected<std::size_t, FusionRejection> DelayedFrames::frame_of(Timestamp stamp) const {
+  const std::optional<std::size_t> index = index_at(stamp);
+  if (index && frames_[*index].odometry.stamp == stamp) return *index;
   const bool late = !frames_.empty() && stamp < newest().odometry.stamp - buffer_;
-  return late ? "too_old" : "unknown_stamp";
+  return unexpected(late ? FusionRejection::kTooOld : FusionRejection::kUnknownStamp);
 }
 
-std::variant<std::size_t, std::string_view> DelayedFrames::add_answer(
-    const LocalizationResult& answer) {
-  if (const std::string_view reason = why_unusable(answer); !reason.empty()) {
-    return reason;
-  }
-  const std::optional<std::size_t> index = index_at(answer.stamp);
-  if (!index || frames_[*index].odometry.stamp != answer.stamp) {
-    return why_no_frame(answer.stamp);
-  }
+expected<std::size_t, FusionRejection> DelayedFrames::add_answer(const LocalizationResult& answer) {
+  if (const auto usable = check(answer); !usable) return unexpected(usable.error());
+  const auto index = frame_of(answer.stamp);
+  if (!index) return index;
   Frame& frame = frames_[*index];
   if (frame.answer) {
     // A total order: the choice among several answers to a frame is independent of their arrival.
     const LocalizationMeasurement& known = frame.answer->measurement;
     const auto rank = std::tie(answer.revision, answer.incarnation, answer.localizer);
     const auto known_rank = std::tie(frame.answer->revision, known.incarnation, known.localizer);
-    if (rank <= known_rank) {
-      return std::string_view(rank == known_rank ? "duplicate" : "older_than_applied");
-    }
+    if (rank == known_rank) return unexpected(FusionRejection::kDuplicate);
+    if (rank < known_rank) return unexpected(FusionRejection::kOlderThanApplied);
   }
   frame.answer = StoredMeasurement{
       .revision = answer.revision,
       .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
       .outcome = std::nullopt};
-  return *index;
+  return index;
 }
 
 PoseEstimate odom_estimate(const ImuPrediction& prediction) {

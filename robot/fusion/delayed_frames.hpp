@@ -3,9 +3,8 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
-#include <string_view>
-#include <variant>
 
+#include "robot/fusion/answer_outcome.hpp"
 #include "robot/fusion/imu_prediction.hpp"
 #include "robot/fusion/localization_measurement.hpp"
 #include "robot/fusion/map_alignment.hpp"
@@ -23,7 +22,7 @@ class DelayedFrames {
   struct StoredMeasurement {
     Revision revision{};
     LocalizationMeasurement measurement;
-    std::optional<LocalizationOutcome> outcome;  ///< none before the first replay
+    std::optional<AnswerOutcome> outcome;  ///< none before the first replay
   };
   struct Frame {
     OdometryEstimate odometry;
@@ -39,14 +38,15 @@ class DelayedFrames {
   /// False if the sample changes nothing.
   bool add_imu(const ImuSample& sample);
 
-  /// Appends a frame. Returns why the estimate is rejected, else empty. Removes no frame.
-  std::string_view add_odometry(const OdometryEstimate& estimate);
+  /// Appends a frame. Removes none.
+  expected<void, FusionRejection> add_odometry(const OdometryEstimate& estimate);
 
-  /// Why the answer is rejected independent of its stamp; empty if it is not.
-  [[nodiscard]] std::string_view why_unusable(const LocalizationResult& answer) const;
+  /// Checks an answer whatever its stamp is.
+  [[nodiscard]] expected<void, FusionRejection> check(const LocalizationResult& answer) const;
 
-  /// Stores the answer at its frame. Returns the index of the frame, or why it is rejected.
-  std::variant<std::size_t, std::string_view> add_answer(const LocalizationResult& answer);
+  /// Stores the answer at its frame.
+  /// @return the index of the frame
+  expected<std::size_t, FusionRejection> add_answer(const LocalizationResult& answer);
 
   /// The oldest frame is older than the buffer.
   [[nodiscard]] bool has_stale() const;
@@ -75,7 +75,7 @@ class DelayedFrames {
   [[nodiscard]] const std::optional<ImuPrediction>& prediction() const { return prediction_; }
 
  private:
-  [[nodiscard]] std::string_view why_no_frame(Timestamp stamp) const;
+  [[nodiscard]] expected<std::size_t, FusionRejection> frame_of(Timestamp stamp) const;
   void predict_from_newest();
 
   ImuNoise noise_;

@@ -11,21 +11,6 @@
 #include "shared/geometry/angle.hpp"
 
 namespace fleetloc {
-std::string_view name(LocalizationOutcome outcome) {
-  switch (outcome) {
-    case LocalizationOutcome::kApplied:
-      return "applied";
-    case LocalizationOutcome::kRestarted:
-      return "restarted";
-    case LocalizationOutcome::kGated:
-      return "gated";
-    case LocalizationOutcome::kImplausibleTilt:
-      return "implausible_tilt";
-    case LocalizationOutcome::kWrongMap:
-      return "wrong_map";
-  }
-  return "unknown";
-}
 
 MapAlignment::MapAlignment(const Config& config)
     : config_(config), hypotheses_(config.hypotheses) {}
@@ -51,12 +36,12 @@ std::optional<MapOdomEstimate> MapAlignment::session_start() const {
 }
 
 // Uses the answer and gravity only: d = -Ad(T_odom_body) * (J_error * u + white).
-bool MapAlignment::initialize(const LocalizationMeasurement& answer) {
+AnswerOutcome MapAlignment::initialize(const LocalizationMeasurement& answer, AnswerEffect effect) {
   const Pose T_map_odom = alignment_from(answer);
   const Matrix6d covariance = alignment_covariance(answer);
   const MapTilt tilt = tilt_of(T_map_odom.R);
   if (chi_square(tilt, covariance, config_.map_tilt) > config_.tilt_gate_chi_square) {
-    return false;
+    return unexpected(FusionRejection::kImplausibleTilt);
   }
   T_map_odom_ = T_map_odom;
   error_.setZero();
@@ -75,7 +60,7 @@ bool MapAlignment::initialize(const LocalizationMeasurement& answer) {
   last_applied_ = answer.stamp;
   continued_ = false;
   hypotheses_.restart(answer);
-  return true;
+  return effect;
 }
 
 MapAlignment MapAlignment::continued(const MapOdomEstimate& pose) const {
@@ -143,21 +128,15 @@ void MapAlignment::update(const Eigen::Matrix<double, N, 1>& residual,
   error_ += correction.template tail<6>();
 }
 
-LocalizationOutcome MapAlignment::apply_to_continued(const LocalizationMeasurement& answer) {
-  const bool agrees = agrees_with_continued(answer);
-  if (!agrees && !hypotheses_.add(answer)) return LocalizationOutcome::kGated;
-  if (!initialize(answer)) return LocalizationOutcome::kImplausibleTilt;
-  return agrees ? LocalizationOutcome::kApplied : LocalizationOutcome::kRestarted;
+AnswerOutcome MapAlignment::apply_to_continued(const LocalizationMeasurement& answer) {
+  if (agrees_with_continued(answer)) return initialize(answer, AnswerEffect::kApplied);
+  if (!hypotheses_.add(answer)) return unexpected(FusionRejection::kGated);
+  return initialize(answer, AnswerEffect::kRestarted);
 }
 
-LocalizationOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
-  if (!last_applied_) {
-    return initialize(answer) ? LocalizationOutcome::kApplied
-                              : LocalizationOutcome::kImplausibleTilt;
-  }
-  if (answer.map_hash != map_hash_) {
-    return LocalizationOutcome::kWrongMap;
-  }
+AnswerOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
+  if (!last_applied_) return initialize(answer, AnswerEffect::kApplied);
+  if (answer.map_hash != map_hash_) return unexpected(FusionRejection::kWrongMap);
   if (continued_) return apply_to_continued(answer);
   const MapAlignment before = *this;
   age_error(answer);
@@ -168,16 +147,13 @@ LocalizationOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
   const Matrix6d S = H * P_ * H.transpose() + answer.white;
   if (chi_square(residual, S) > config_.gate_chi_square) {
     *this = before;
-    if (!hypotheses_.add(answer)) {
-      return LocalizationOutcome::kGated;
-    }
-    return initialize(answer) ? LocalizationOutcome::kRestarted
-                              : LocalizationOutcome::kImplausibleTilt;
+    if (!hypotheses_.add(answer)) return unexpected(FusionRejection::kGated);
+    return initialize(answer, AnswerEffect::kRestarted);
   }
   update<6>(residual, H, answer.white);
   last_applied_ = answer.stamp;
   hypotheses_.support(answer);
-  return LocalizationOutcome::kApplied;
+  return AnswerEffect::kApplied;
 }
 
 MapAlignment::Config read_map_alignment_config(ConfigReader section) {

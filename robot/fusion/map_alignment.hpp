@@ -1,31 +1,15 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "robot/fusion/alignment_hypotheses.hpp"
+#include "robot/fusion/answer_outcome.hpp"
 #include "robot/fusion/localization_measurement.hpp"
 #include "robot/fusion/odometry_drift.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
-
-/// Outcome of an answer in the filter.
-enum class LocalizationOutcome {
-  kApplied,
-  kRestarted,        ///< applied; its hypothesis replaced a contradicting estimate
-  kGated,            ///< rejected by the chi-square gate
-  kImplausibleTilt,  ///< would initialize the filter with gravity too far from the map's -z
-  kWrongMap,         ///< refers to another map than the first applied answer
-};
-
-constexpr bool is_applied(LocalizationOutcome outcome) {
-  return outcome == LocalizationOutcome::kApplied || outcome == LocalizationOutcome::kRestarted;
-}
-
-/// Name in files, e.g. "implausible_tilt".
-std::string_view name(LocalizationOutcome outcome);
 
 /// Kalman filter over T_map_odom and the slowly varying error of the answers. State:
 /// [d: right perturbation of T_map_odom (6), u: normalized error of the answers (6)]; see
@@ -49,7 +33,7 @@ class MapAlignment {
   /// T_map_odom becomes more uncertain (right perturbation), the mean stays.
   void drift(const DriftStep& step);
 
-  LocalizationOutcome apply(const LocalizationMeasurement& answer);
+  AnswerOutcome apply(const LocalizationMeasurement& answer);
 
   /// T_map_odom with covariance, from the first applied answer on.
   [[nodiscard]] std::optional<MapOdomEstimate> pose() const;
@@ -68,8 +52,8 @@ class MapAlignment {
  private:
   using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-  bool initialize(const LocalizationMeasurement& answer);
-  LocalizationOutcome apply_to_continued(const LocalizationMeasurement& answer);
+  AnswerOutcome initialize(const LocalizationMeasurement& answer, AnswerEffect effect);
+  AnswerOutcome apply_to_continued(const LocalizationMeasurement& answer);
   [[nodiscard]] bool agrees_with_continued(const LocalizationMeasurement& answer) const;
   [[nodiscard]] Matrix6d error_transition(const LocalizationMeasurement& answer) const;
   void age_error(const LocalizationMeasurement& answer);

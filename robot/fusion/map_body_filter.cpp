@@ -20,12 +20,13 @@ std::optional<MapOdomEstimate> MapBodyFilter::session_start() const {
 
 // With the errors a of the answer, n of the odometry's pose, v of its velocity and b of the biases:
 // body = a, T_map_odom = Ad(T_odom_body) (a - n), velocity = R_map_odom (v - hat(v_odom) rotation).
-bool MapBodyFilter::initialize(const LocalizationMeasurement& answer,
-                               const OdometryEstimate& odometry) {
+AnswerOutcome MapBodyFilter::initialize(const LocalizationMeasurement& answer,
+                                        const OdometryEstimate& odometry,
+                                        AnswerEffect effect) {
   const Pose T_map_odom = alignment_from(answer);
   if (chi_square(tilt_of(T_map_odom.R), alignment_covariance(answer), config_.map_tilt) >
       config_.tilt_gate_chi_square) {
-    return false;
+    return unexpected(FusionRejection::kImplausibleTilt);
   }
   T_map_odom_ = T_map_odom;
   state_ = odometry.state;
@@ -48,7 +49,7 @@ bool MapBodyFilter::initialize(const LocalizationMeasurement& answer,
   map_hash_ = answer.map_hash;
   last_applied_ = answer.stamp;
   hypotheses_.restart(answer);
-  return true;
+  return effect;
 }
 
 void MapBodyFilter::propagate(const Preintegration& step, const DriftStep& drift) {
@@ -79,30 +80,22 @@ void MapBodyFilter::correct(const Pose& T_odom_body) {
   update(local_coordinates(predicted, T_odom_body), H, clone_covariance(config_.noise));
 }
 
-LocalizationOutcome MapBodyFilter::apply(const LocalizationMeasurement& answer,
-                                         const OdometryEstimate& odometry) {
-  if (!last_applied_) {
-    return initialize(answer, odometry) ? LocalizationOutcome::kApplied
-                                        : LocalizationOutcome::kImplausibleTilt;
-  }
-  if (answer.map_hash != map_hash_) {
-    return LocalizationOutcome::kWrongMap;
-  }
+AnswerOutcome MapBodyFilter::apply(const LocalizationMeasurement& answer,
+                                   const OdometryEstimate& odometry) {
+  if (!last_applied_) return initialize(answer, odometry, AnswerEffect::kApplied);
+  if (answer.map_hash != map_hash_) return unexpected(FusionRejection::kWrongMap);
   const Vector6d residual = local_coordinates(state_.T_odom_body, answer.T_map_body);
   const Matrix6d R = answer.covariance - clone_covariance(config_.noise);
   if (chi_square(residual, P_.topLeftCorner<6, 6>() + R) > config_.gate_chi_square) {
-    if (!hypotheses_.add(answer)) {
-      return LocalizationOutcome::kGated;
-    }
-    return initialize(answer, odometry) ? LocalizationOutcome::kRestarted
-                                        : LocalizationOutcome::kImplausibleTilt;
+    if (!hypotheses_.add(answer)) return unexpected(FusionRejection::kGated);
+    return initialize(answer, odometry, AnswerEffect::kRestarted);
   }
   Matrix6x21d H = Matrix6x21d::Zero();
   H.leftCols<6>().setIdentity();
   update(residual, H, R);
   last_applied_ = answer.stamp;
   hypotheses_.support(answer);
-  return LocalizationOutcome::kApplied;
+  return AnswerEffect::kApplied;
 }
 
 // P - K S K^T with K S = P H^T. The change of the tangent space by the correction is left out

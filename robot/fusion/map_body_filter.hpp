@@ -28,8 +28,7 @@ class MapBodyFilter {
   void correct(const Pose& T_odom_body);
 
   /// The answer to the frame. The first one starts the filter at the odometry's state.
-  LocalizationOutcome apply(const LocalizationMeasurement& answer,
-                            const OdometryEstimate& odometry);
+  AnswerOutcome apply(const LocalizationMeasurement& answer, const OdometryEstimate& odometry);
 
   /// In map where its members say odom; valid from the first applied answer on.
   [[nodiscard]] const NavState& state() const { return state_; }
@@ -42,7 +41,9 @@ class MapBodyFilter {
   using Matrix21d = Eigen::Matrix<double, 21, 21>;
   using Matrix6x21d = Eigen::Matrix<double, 6, 21>;
 
-  bool initialize(const LocalizationMeasurement& answer, const OdometryEstimate& odometry);
+  AnswerOutcome initialize(const LocalizationMeasurement& answer,
+                           const OdometryEstimate& odometry,
+                           AnswerEffect effect);
   void update(const Vector6d& residual, const Matrix6x21d& H, const Matrix6d& R);
 
   MapAlignment::Config config_;

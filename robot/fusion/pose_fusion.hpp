@@ -2,8 +2,8 @@
 
 #include <memory>
 #include <optional>
-#include <string_view>
 
+#include "robot/fusion/answer_outcome.hpp"
 #include "robot/fusion/map_alignment.hpp"
 #include "robot/fusion/odometry_drift.hpp"
 #include "shared/config/config_reader.hpp"
@@ -48,19 +48,6 @@ class PoseFusion {
     MapAlignment::Config answers;
   };
 
-  /// Outcome of a measurement. Odometry: "applied", "not_finite", "older_than_applied",
-  /// "before_imu". Answers: the names of LocalizationOutcome, and
-  /// - "not_localized": it has no pose;
-  /// - "not_finite", "bad_covariance": it cannot be used;
-  /// - "wrong_session": it belongs to another session of the odometry;
-  /// - "too_old": older than the buffer; "unknown_stamp": no frame of the odometry has that stamp;
-  /// - "duplicate": its revision is stored already; "older_than_applied": a newer one is.
-  struct Verdict {
-    bool applied = false;
-    std::string_view reason;
-    int revised = 0;  ///< later answers whose `applied` the replay has changed
-  };
-
   PoseFusion() = default;
   virtual ~PoseFusion() = default;
   PoseFusion(const PoseFusion&) = delete;
@@ -71,10 +58,11 @@ class PoseFusion {
 
   /// The odometry's state at the stamp of a frame; stamps increase. IMU samples newer than it are
   /// replayed on top.
-  virtual Verdict add_odometry(const OdometryEstimate& estimate) = 0;
+  virtual expected<void, FusionRejection> add_odometry(const OdometryEstimate& estimate) = 0;
 
-  /// Answers may be late, lost, repeated and out of order.
-  virtual Verdict add_answer(const LocalizationResult& answer) = 0;
+  /// Answers may be late, lost, repeated and out of order. What was said of later ones may change
+  /// with this one.
+  virtual AnswerOutcome add_answer(const LocalizationResult& answer) = 0;
 
   /// The current estimate of the pose at a frame's stamp. Nothing unless odometry and buffered IMU
   /// samples cover the stamp: add the first sample after the frame before.

@@ -4,41 +4,37 @@
 #include <mutex>
 #include <utility>
 
-#include "shared/core/cpu_time.hpp"
-
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kAhead = 64;  // items, of which one in eleven or so is an image pair
+constexpr std::size_t kAhead = 64;  // measurements, of which one in eleven or so is an image pair
 
 }  // namespace
 
-DatasetPlayer::DatasetPlayer(DatasetReader input, double rate)
-    : input_(std::move(input)),
+DatasetPlayer::DatasetPlayer(std::unique_ptr<SensorSource> recording, double rate)
+    : recording_(std::move(recording)),
+      frame_count_(recording_->frame_count()),
       rate_(rate),
       played_(kAhead, Overflow::kBlock),
       thread_([this](const std::stop_token& stop) { play(stop); }) {}
 
-std::optional<DatasetPlayer::Played> DatasetPlayer::next(const std::stop_token& stop) {
+std::optional<SensorMeasurement> DatasetPlayer::next(const std::stop_token& stop) {
   auto played = played_.pop(stop);
   if (!played && !stop.stop_requested() && error_) std::rethrow_exception(error_);
   return played;
 }
 
-void DatasetPlayer::stop() {
+std::map<std::string, std::uint64_t> DatasetPlayer::close() {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  return recording_->close();
 }
 
 void DatasetPlayer::play(const std::stop_token& stop) {
   try {
-    while (!stop.stop_requested()) {
-      const Duration begin = thread_cpu_time();
-      auto item = input_.next();
-      if (!item) break;
-      const Duration cpu = thread_cpu_time() - begin;
-      wait_for(stamp_of(*item), stop);
-      played_.push({std::move(*item), cpu}, stop);
+    while (auto measurement = recording_->next(stop)) {
+      wait_for(stamp_of(*measurement), stop);
+      played_.push(std::move(*measurement), stop);
     }
   } catch (...) {
     error_ = std::current_exception();

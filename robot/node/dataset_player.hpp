@@ -1,45 +1,38 @@
 #pragma once
 
 #include <chrono>
+#include <exception>
+#include <memory>
 #include <stop_token>
 #include <thread>
-#include <variant>
 
-#include "robot/dataset/dataset_reader.hpp"
+#include "robot/sensors/sensor_source.hpp"
 #include "shared/concurrency/bounded_queue.hpp"
 
 namespace fleetloc {
 
-/// Reads a recording on a thread of its own, at `rate` times real time.
-class DatasetPlayer {
+/// Plays a recording on a thread of its own, at `rate` times real time.
+class DatasetPlayer final : public SensorSource {
  public:
-  struct Played {
-    DatasetReader::Item item;
-    Duration decoding_cpu{};  ///< of an image pair
-  };
-
   /// @param rate  0: as fast as the consumer reads
-  DatasetPlayer(DatasetReader input, double rate);
+  DatasetPlayer(std::unique_ptr<SensorSource> recording, double rate);
 
-  /// The next item; nothing at the end of the recording or when a stop is requested. Rethrows the
-  /// reader's exception.
-  std::optional<Played> next(const std::stop_token& stop);
-
-  /// Stops the thread; next() returns nothing from then on.
-  void stop();
-
-  /// After stop().
-  [[nodiscard]] const DatasetReader& input() const { return input_; }
+  /// Rethrows the recording's exception.
+  std::optional<SensorMeasurement> next(const std::stop_token& stop) override;
+  [[nodiscard]] std::optional<std::size_t> frame_count() const override { return frame_count_; }
+  /// Stops the thread.
+  std::map<std::string, std::uint64_t> close() override;
 
  private:
   void play(const std::stop_token& stop);
   void wait_for(Timestamp stamp, const std::stop_token& stop);
 
-  DatasetReader input_;  // used by the thread until the queue is closed
+  std::unique_ptr<SensorSource> recording_;  // used by the thread until close()
+  std::optional<std::size_t> frame_count_;
   double rate_;
   std::optional<Timestamp> first_stamp_;
   std::chrono::steady_clock::time_point started_;
-  BoundedQueue<Played> played_;
+  BoundedQueue<SensorMeasurement> played_;
   std::exception_ptr error_;  // set before the queue is closed
   std::jthread thread_;       // last: uses the others
 };

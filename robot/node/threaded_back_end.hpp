@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "robot/pipeline/back_end.hpp"
+#include "robot/odometry/back_end.hpp"
 #include "shared/concurrency/bounded_queue.hpp"
 
 namespace fleetloc {

@@ -4,38 +4,64 @@
 
 namespace fleetloc {
 
-std::vector<ImuSample> InputValidator::admit(const ImuSample& sample) {
+std::string_view name(InputRejection reason) {
+  switch (reason) {
+    case InputRejection::kImuNotNewer:
+      return "imu_not_newer";
+    case InputRejection::kImuNotFinite:
+      return "imu_not_finite";
+    case InputRejection::kImuAhead:
+      return "imu_ahead";
+    case InputRejection::kFrameNotNewer:
+      return "frame_not_newer";
+    case InputRejection::kFrameAheadOfImu:
+      return "frame_ahead_of_imu";
+  }
+  return "unknown";
+}
+
+auto InputValidator::rejection(InputRejection reason) {
+  ++counts_[reason];
+  return unexpected(reason);
+}
+
+expected<std::vector<ImuSample>, InputRejection> InputValidator::check_imu(
+    const ImuSample& sample) {
   if (!sample.angular_velocity.allFinite() || !sample.specific_force.allFinite()) {
-    ++refused_["imu_not_finite"];
-    return {};
+    return rejection(InputRejection::kImuNotFinite);
   }
   const std::optional<ImuSample> waiting = std::exchange(unconfirmed_, std::nullopt);
   const Duration after_waiting = waiting ? sample.stamp - waiting->stamp : Duration{};
   const bool confirms = after_waiting > Duration{} && after_waiting <= max_step_;
-  if (waiting && !confirms) ++refused_["imu_ahead"];
-  if (last_imu_ && sample.stamp <= *last_imu_) {
-    ++refused_["imu_not_newer"];
-    return {};
-  }
+  if (waiting && !confirms) ++counts_[InputRejection::kImuAhead];
+  if (last_imu_ && sample.stamp <= *last_imu_) return rejection(InputRejection::kImuNotNewer);
   if (last_imu_ && !confirms && sample.stamp - *last_imu_ > max_step_) {
     unconfirmed_ = sample;
-    return {};
+    return unexpected(InputRejection::kImuAhead);
   }
   last_imu_ = sample.stamp;
-  if (confirms) return {*waiting, sample};
-  return {sample};
+  if (confirms) return std::vector{*waiting, sample};
+  return std::vector{sample};
 }
 
-std::string_view InputValidator::check_frame(Timestamp stamp) {
-  std::string_view reason;
-  if (last_frame_ && stamp <= *last_frame_) reason = "frame_not_newer";
-  if (!last_imu_ || stamp - *last_imu_ > max_step_) reason = "frame_ahead_of_imu";
-  if (reason.empty()) {
-    last_frame_ = stamp;
-  } else {
-    ++refused_[std::string(reason)];
+expected<void, InputRejection> InputValidator::check_frame(Timestamp stamp) {
+  if (!last_imu_ || stamp - *last_imu_ > max_step_) {
+    return rejection(InputRejection::kFrameAheadOfImu);
   }
-  return reason;
+  if (last_frame_ && stamp <= *last_frame_) return rejection(InputRejection::kFrameNotNewer);
+  last_frame_ = stamp;
+  return {};
+}
+
+std::map<std::string, std::uint64_t> InputValidator::rejected() const {
+  using enum InputRejection;
+  std::map<std::string, std::uint64_t> rejected;
+  for (const auto reason :
+       {kImuNotNewer, kImuNotFinite, kImuAhead, kFrameNotNewer, kFrameAheadOfImu}) {
+    const auto found = counts_.find(reason);
+    rejected.emplace(name(reason), found == counts_.end() ? 0 : found->second);
+  }
+  return rejected;
 }
 
 }  // namespace fleetloc

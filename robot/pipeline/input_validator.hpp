@@ -7,9 +7,22 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/core/expected.hpp"
 #include "shared/model/inertial.hpp"
 
 namespace fleetloc {
+
+/// Why a measurement was rejected.
+enum class InputRejection {
+  kImuNotNewer,
+  kImuNotFinite,
+  kImuAhead,  ///< its stamp is far ahead, and the next sample's has to confirm it
+  kFrameNotNewer,
+  kFrameAheadOfImu,
+};
+
+/// Name in files, e.g. "imu_not_newer".
+std::string_view name(InputRejection reason);
 
 /// Rejects measurements with invalid stamps or values, and counts them by reason. Accepted stamps
 /// increase, for each kind of measurement.
@@ -18,26 +31,24 @@ class InputValidator {
   /// @param max_step  a stamp further ahead than this must be confirmed
   explicit InputValidator(Duration max_step) : max_step_(max_step) {}
 
-  /// The samples accepted now, oldest first: usually this one. One whose stamp is far ahead waits
-  /// for its successor to confirm it: after a wrong stamp all later samples would be rejected.
-  std::vector<ImuSample> admit(const ImuSample& sample);
+  /// The samples accepted now, oldest first: usually this one. One whose stamp is far ahead is
+  /// rejected only for the time being: if its successor confirms it, both are accepted then. After
+  /// a wrong stamp all later samples would be rejected otherwise.
+  expected<std::vector<ImuSample>, InputRejection> check_imu(const ImuSample& sample);
 
-  /// Why a frame is rejected; empty if it is accepted.
-  std::string_view check_frame(Timestamp stamp);
+  expected<void, InputRejection> check_frame(Timestamp stamp);
 
-  /// By reason, e.g. "imu_not_newer"; reasons that never occurred included.
-  [[nodiscard]] const std::map<std::string, std::uint64_t>& refused() const { return refused_; }
+  /// By reason; reasons that never occurred included. Samples that were confirmed do not count.
+  [[nodiscard]] std::map<std::string, std::uint64_t> rejected() const;
 
  private:
+  auto rejection(InputRejection reason);
+
   Duration max_step_;
   std::optional<Timestamp> last_imu_;
   std::optional<ImuSample> unconfirmed_;
   std::optional<Timestamp> last_frame_;
-  std::map<std::string, std::uint64_t> refused_ = {{"imu_not_newer", 0},
-                                                   {"imu_not_finite", 0},
-                                                   {"imu_ahead", 0},
-                                                   {"frame_not_newer", 0},
-                                                   {"frame_ahead_of_imu", 0}};
+  std::map<InputRejection, std::uint64_t> counts_;
 };
 
 }  // namespace fleetloc

@@ -33,7 +33,7 @@ struct AnswerRecord {
   Timestamp arrival;
   std::string localizer;
   LocalizationStatus status{};
-  std::string_view reason;  ///< of fusion, if it was not applied
+  std::string_view reason;  ///< name of the fusion's AnswerOutcome
   bool applied = false;
 };
 

@@ -11,55 +11,57 @@ double seconds(const timeval& time) {
 
 }  // namespace
 
-void RunRecorder::record(RobotPipeline& pipeline, const CloudClient::Traffic& traffic) {
-  for (const FrameOutput& frame : pipeline.take_frames()) {
-    if (!frame.refused.empty()) continue;  // has no pose, and an invalid stamp
-    summary_.tracking_ms.add(1e3 * to_seconds(frame.tracking_cpu));
+void RunRecorder::add(const RobotOutput& output) {
+  if (output.pose) folder_.add_imu_rate_pose(*output.pose);
+  for (const FrameOutput& frame : output.frames) {
+    tracking_ms_.add(1e3 * to_seconds(frame.tracking_cpu));
     folder_.add_frame({.pose = frame.pose,
-                       .uplink_bytes = traffic.uplink_bytes,
-                       .downlink_bytes = traffic.downlink_bytes,
-                       .loss = traffic.loss,
-                       .round_trip = traffic.round_trip,
+                       .uplink_bytes = output.traffic.uplink_bytes,
+                       .downlink_bytes = output.traffic.downlink_bytes,
+                       .loss = output.traffic.loss,
+                       .round_trip = output.traffic.round_trip,
                        .tracks = frame.tracks,
                        .keyframe = frame.keyframe,
                        .resets = frame.resets});
   }
-  for (const LocalizationOutput& output : pipeline.take_answers()) {
-    folder_.add_answer({.stamp = output.answer.stamp,
-                        .arrival = output.arrival,
-                        .localizer = output.answer.localizer,
-                        .status = output.answer.status,
-                        .reason = output.reason,
-                        .applied = output.applied});
+  for (const LocalizationOutput& answer : output.answers) {
+    folder_.add_answer({.stamp = answer.answer.stamp,
+                        .arrival = answer.arrival,
+                        .localizer = answer.answer.localizer,
+                        .status = answer.answer.status,
+                        .reason = name(answer.outcome),
+                        .applied = answer.outcome.has_value()});
   }
 }
 
-void RunRecorder::finish(const RobotPipeline& pipeline,
-                         const CloudClient::Traffic& traffic,
-                         const End& end) {
-  summary_.backend_ms = pipeline.back_end_ms();
-  summary_.keyframes = pipeline.keyframes();
-  summary_.submaps_sent = traffic.submaps_sent;
-  summary_.corrections_applied = pipeline.corrections_applied();
-  summary_.corrections_ignored = pipeline.corrections_ignored();
-  summary_.uplink_bytes = traffic.uplink_bytes;
-  summary_.downlink_bytes = traffic.downlink_bytes;
-  summary_.uplink_wire_bytes = traffic.uplink_wire_bytes;
-  summary_.downlink_wire_bytes = traffic.downlink_wire_bytes;
-  summary_.interrupted = end.interrupted;
-  summary_.input_faults = end.input_faults;
-  for (const auto& [kind, count] : pipeline.faults()) summary_.input_faults[kind] += count;
-  summary_.resets = pipeline.resets();
-  summary_.wall_s = end.wall_s;
+void RunRecorder::finish(const RunEnd& end) {
+  const OdometryStatistics& odometry = end.robot.odometry().statistics();
+  RunSummary summary{.keyframes = odometry.keyframes,
+                     .submaps_sent = end.traffic.submaps_sent,
+                     .answers_rejected = {},  // follows from the records
+                     .corrections_applied = odometry.corrections_applied,
+                     .corrections_ignored = odometry.corrections_ignored,
+                     .uplink_bytes = end.traffic.uplink_bytes,
+                     .downlink_bytes = end.traffic.downlink_bytes,
+                     .uplink_wire_bytes = end.traffic.uplink_wire_bytes,
+                     .downlink_wire_bytes = end.traffic.downlink_wire_bytes,
+                     .resets = odometry.resets,
+                     .input_faults = end.faults,
+                     .interrupted = end.interrupted,
+                     .wall_s = end.wall_s,
+                     .decode_ms = end.decode_ms,
+                     .tracking_ms = tracking_ms_,
+                     .backend_ms = odometry.back_end_ms};
+  for (const auto& [kind, count] : end.robot.faults()) summary.input_faults[kind] += count;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  summary_.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-  summary_.max_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-  if (pipeline.imu_samples() > 0) {
-    summary_.fusion_us_per_imu =
-        1e6 * to_seconds(pipeline.fusion_cpu()) / static_cast<double>(pipeline.imu_samples());
+  summary.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  summary.max_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  if (end.robot.imu_samples() > 0) {
+    summary.fusion_us_per_imu =
+        1e6 * to_seconds(end.robot.fusion_cpu()) / static_cast<double>(end.robot.imu_samples());
   }
-  folder_.finish(summary_);
+  folder_.finish(summary);
 }
 
 }  // namespace fleetloc

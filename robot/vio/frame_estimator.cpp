@@ -152,6 +152,11 @@ void FrameEstimator::update(std::shared_ptr<const WindowEstimate> window) {
   }
 }
 
+void FrameEstimator::reset() {
+  window_.reset();
+  reference_.reset();
+}
+
 std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFrame& frame,
                                                                const ImuBuffer& imu) {
   if (window_ == nullptr || frame.stamp < window_->keyframes.back().stamp) {

@@ -45,6 +45,9 @@ class FrameEstimator {
 
   void update(std::shared_ptr<const WindowEstimate> window);
 
+  /// Forgets window and reference: the odometry was reset.
+  void reset();
+
   /// Nothing before the first window, for a frame before its newest keyframe, and where `imu` does
   /// not reach from there to the frame.
   std::optional<Result> estimate(const TrackedFrame& frame, const ImuBuffer& imu);

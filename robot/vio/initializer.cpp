@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -29,33 +30,47 @@ std::vector<NavState> aligned_states(const InertialAlignment& alignment,
 
 }  // namespace
 
+std::string_view name(NotInitialized reason) {
+  switch (reason) {
+    case NotInitialized::kCollecting:
+      return "collecting";
+    case NotInitialized::kVisionLost:
+      return "vision_lost";
+    case NotInitialized::kImplausibleGravity:
+      return "implausible_gravity";
+    case NotInitialized::kImplausibleBias:
+      return "implausible_bias";
+    case NotInitialized::kResiduals:
+      return "residuals";
+  }
+  return "unknown";
+}
+
 Initializer::Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config)
     : stereo_(stereo), noise_(noise), config_(config), odometry_(stereo, config.odometry) {}
 
-std::optional<Initialization> Initializer::add(const TrackedFrame& frame,
-                                               std::span<const ImuSample> since_previous_frame) {
-  if (!frames_.empty() && !continues(since_previous_frame)) {
-    restart();
-  }
+expected<Initialization, NotInitialized> Initializer::add(
+    const TrackedFrame& frame, std::span<const ImuSample> since_previous_frame) {
+  if (!frames_.empty() && !continues(since_previous_frame)) restart();
   std::optional<Pose> T_first_body = odometry_.add(frame);
-  if (!T_first_body.has_value()) {
+  const bool is_lost = !T_first_body;
+  if (is_lost) {
     restart();
-    status_ = Status::kVisionLost;
     T_first_body = odometry_.add(frame);
   }
   frames_.push_back(
       {frame, {since_previous_frame.begin(), since_previous_frame.end()}, *T_first_body});
+  if (is_lost) return unexpected(NotInitialized::kVisionLost);
   if (to_seconds(frame.stamp - frames_.front().frame.stamp) < config_.duration_s) {
-    return std::nullopt;
+    return unexpected(NotInitialized::kCollecting);
   }
-  std::optional<Initialization> result = align();
-  if (result.has_value()) {
-    restart();
-    starts_at_first_frame_ = true;  // of the next initialization
-  } else {                          // next attempt after another interval
-    const Timestamp last = frame.stamp;
+  auto result = align();
+  if (result) {
+    reset();
+  } else {  // next attempt after another interval
     std::erase_if(frames_, [&](const Frame& old) {
-      return to_seconds(last - old.frame.stamp) > config_.duration_s - config_.keyframe_interval_s;
+      return to_seconds(frame.stamp - old.frame.stamp) >
+             config_.duration_s - config_.keyframe_interval_s;
     });
   }
   return result;
@@ -72,6 +87,11 @@ void Initializer::restart() {
   starts_at_first_frame_ = false;
 }
 
+void Initializer::reset() {
+  restart();
+  starts_at_first_frame_ = true;
+}
+
 // Backwards from the newest frame, which is always chosen.
 std::vector<std::size_t> Initializer::choose_keyframes() const {
   std::vector<std::size_t> chosen{frames_.size() - 1};
@@ -86,11 +106,9 @@ std::vector<std::size_t> Initializer::choose_keyframes() const {
   return chosen;
 }
 
-std::optional<Initialization> Initializer::align() {
+expected<Initialization, NotInitialized> Initializer::align() const {
   const std::vector<std::size_t> chosen = choose_keyframes();
-  if (chosen.size() < kMinKeyframes) {
-    return std::nullopt;
-  }
+  if (chosen.size() < kMinKeyframes) return unexpected(NotInitialized::kCollecting);
   Initialization result;
   std::vector<Pose> T_first_body;
   std::vector<Preintegration> between;
@@ -110,27 +128,24 @@ std::optional<Initialization> Initializer::align() {
       align_inertially(T_first_body,
                        std::move(between),
                        {config_.position_sigma_m, config_.window.accelerometer_bias_sigma});
-  status_ = check(alignment);
-  if (status_ != Status::kInitialized) {
-    return std::nullopt;
-  }
+  if (const auto plausible = check(alignment); !plausible) return unexpected(plausible.error());
   result.states = aligned_states(alignment, T_first_body);
-  status_ = refine(result);
-  if (status_ != Status::kInitialized) {
-    return std::nullopt;
-  }
-  if (starts_at_first_frame_) {
-    result.T_first_newest = T_first_body.front() * inverse(result.states.front().T_odom_body) *
-                            result.states.back().T_odom_body;
-  }
-  return result;
+  return refined(std::move(result)).map([&](Initialization initialization) {
+    if (starts_at_first_frame_) {
+      initialization.T_first_newest = T_first_body.front() *
+                                      inverse(initialization.states.front().T_odom_body) *
+                                      initialization.states.back().T_odom_body;
+    }
+    return initialization;
+  });
 }
 
-Initializer::Status Initializer::check(const InertialAlignment& alignment) const {
+expected<void, NotInitialized> Initializer::check(const InertialAlignment& alignment) const {
   if (!(std::abs(alignment.estimated_gravity - kGravity.norm()) < config_.max_gravity_error)) {
-    return Status::kWrongGravity;
+    return unexpected(NotInitialized::kImplausibleGravity);
   }
-  return plausible(alignment.bias) ? Status::kInitialized : Status::kWrongBias;
+  if (!plausible(alignment.bias)) return unexpected(NotInitialized::kImplausibleBias);
+  return {};
 }
 
 bool Initializer::plausible(const ImuBias& bias) const {
@@ -139,18 +154,21 @@ bool Initializer::plausible(const ImuBias& bias) const {
 }
 
 // Optimizes the initial window and checks its residuals.
-Initializer::Status Initializer::refine(Initialization& initialization) const {
+expected<Initialization, NotInitialized> Initializer::refined(Initialization initialization) const {
   const SlidingWindow window(stereo_, noise_, config_.window, initialization);
   const WindowEstimate& estimate = window.estimate();
   const double residuals = 3.0 * std::max(estimate.diagnostics.observations, 1);
   if (!estimate.diagnostics.converged ||
       !(estimate.diagnostics.final_cost < config_.max_cost_per_residual * residuals)) {
-    return Status::kResiduals;
+    return unexpected(NotInitialized::kResiduals);
   }
   for (std::size_t i = 0; i < initialization.states.size(); ++i) {
     initialization.states[i] = estimate.keyframes[i].state;
   }
-  return plausible(initialization.states.back().bias) ? Status::kInitialized : Status::kWrongBias;
+  if (!plausible(initialization.states.back().bias)) {
+    return unexpected(NotInitialized::kImplausibleBias);
+  }
+  return initialization;
 }
 
 Initializer::Config read_initializer_config(ConfigReader section,

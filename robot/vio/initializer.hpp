@@ -1,14 +1,27 @@
 #pragma once
 
-#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "robot/vio/inertial_alignment.hpp"
 #include "robot/vio/sliding_window.hpp"
 #include "robot/vio/stereo_odometry.hpp"
+#include "shared/core/expected.hpp"
 
 namespace fleetloc {
+
+/// Why there is no initialization yet.
+enum class NotInitialized {
+  kCollecting,          ///< the segment is still too short
+  kVisionLost,          ///< the stereo odometry: a new segment begins
+  kImplausibleGravity,  ///< |g|, when it is left free
+  kImplausibleBias,     ///< of the IMU: above its limit
+  kResiduals,           ///< the refined window does not explain what was measured
+};
+
+/// Name in files, e.g. "implausible_gravity".
+std::string_view name(NotInitialized reason);
 
 /// Finds the first states of the sliding window, at rest or in motion: stereo odometry without the
 /// IMU, the gyroscope's bias from its rotations, then gravity, velocities and the accelerometer's
@@ -32,25 +45,16 @@ class Initializer {
     double max_cost_per_residual = 0.0;   ///< of the refined window; 0.5 is expected
   };
 
-  /// Result of the last attempt.
-  enum class Status {
-    kCollecting,
-    kVisionLost,
-    kWrongGravity,
-    kWrongBias,
-    kResiduals,
-    kInitialized
-  };
-
   Initializer(const RectifiedStereo& stereo, const ImuNoise& noise, const Config& config);
 
   /// @param since_previous_frame  from the previous frame's stamp to this one's, ends interpolated;
   ///        empty for the first, or where the IMU has a gap. Samples that do not begin at the stamp
   ///        of the previous frame count as a gap, too.
-  std::optional<Initialization> add(const TrackedFrame& frame,
-                                    std::span<const ImuSample> since_previous_frame);
+  expected<Initialization, NotInitialized> add(const TrackedFrame& frame,
+                                               std::span<const ImuSample> since_previous_frame);
 
-  [[nodiscard]] Status status() const { return status_; }
+  /// As newly constructed: the odometry was reset.
+  void reset();
 
  private:
   struct Frame {
@@ -61,10 +65,11 @@ class Initializer {
   void restart();
   [[nodiscard]] bool continues(std::span<const ImuSample> since_previous_frame) const;
   [[nodiscard]] std::vector<std::size_t> choose_keyframes() const;
-  std::optional<Initialization> align();
-  [[nodiscard]] Status check(const InertialAlignment& alignment) const;
+  [[nodiscard]] expected<Initialization, NotInitialized> align() const;
+  [[nodiscard]] expected<void, NotInitialized> check(const InertialAlignment& alignment) const;
   [[nodiscard]] bool plausible(const ImuBias& bias) const;
-  [[nodiscard]] Status refine(Initialization& initialization) const;
+  [[nodiscard]] expected<Initialization, NotInitialized> refined(
+      Initialization initialization) const;
 
   RectifiedStereo stereo_;
   ImuNoise noise_;
@@ -72,7 +77,6 @@ class Initializer {
   StereoOdometry odometry_;
   std::vector<Frame> frames_;
   bool starts_at_first_frame_ = true;  // the odometry starts at the first frame that was added
-  Status status_ = Status::kCollecting;
 };
 Initializer::Config read_initializer_config(ConfigReader section,
                                             const SlidingWindow::Config& window);

@@ -11,6 +11,7 @@ struct StereoFrame {
   Timestamp stamp;
   cv::Mat left;
   cv::Mat right;
+  Duration decoding_cpu{};  ///< processor time that it took to read the images; only for reports
 };
 
 }  // namespace fleetloc

@@ -94,7 +94,7 @@ void initialize(benchmark::State& state) {
   const Flight flight;
   while (state.KeepRunning()) {
     Initializer initializer(flight.run.stereo(), flight.run.noise(), flight.config.initializer);
-    std::optional<Initialization> result;
+    expected<Initialization, NotInitialized> result = unexpected(NotInitialized::kCollecting);
     for (int i = 0; i < 60 && !result.has_value(); ++i) {
       const Timestamp stamp = flight.run.frame_stamp(i);
       result = initializer.add(flight.run.frame(i),

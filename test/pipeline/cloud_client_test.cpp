@@ -268,7 +268,7 @@ TEST_F(CloudClientTest, SendsItsStateOnceASecondToItsLocalizerOnly) {
   announce(*idle_, "idle", 0.1, 0);
   announce(*busy_, "busy", 0.9, 0);
   client_.start_session(some_session(), at(1));
-  client_.set_quality(Quality::kDeadReckoning);
+  client_.update(Timestamp{}, Quality::kDeadReckoning);
   int states = 0;
   for (int ms = 10; ms < 10'000; ms += 10) {
     static_cast<void>(client_.take_answers(at(ms)));

@@ -43,7 +43,7 @@ class Interruption : public testing::Test {
   [[nodiscard]] double first_applied_after(double since_s) const {
     for (const LocalizationOutput& answer : system_.robot().answers) {
       const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
-      if (answer.applied && arrival_s > since_s) return arrival_s;
+      if (answer.outcome && arrival_s > since_s) return arrival_s;
     }
     return INFINITY;
   }
@@ -51,7 +51,7 @@ class Interruption : public testing::Test {
     return static_cast<int>(
         std::ranges::count_if(system_.robot().answers, [&](const LocalizationOutput& answer) {
           const double arrival_s = to_seconds(answer.arrival.time_since_epoch());
-          return answer.applied && arrival_s > from_s && arrival_s <= to_s;
+          return answer.outcome && arrival_s > from_s && arrival_s <= to_s;
         }));
   }
   [[nodiscard]] Quality quality_at(double s) const {

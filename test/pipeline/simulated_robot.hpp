@@ -33,11 +33,11 @@ class SimulatedRobot {
   void play(double seconds, const std::function<void(Timestamp)>& advance) {
     const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
-      client_.set_quality(pipeline_.add_imu(sample).value().quality);
+      pipeline_.add_imu(sample).value();
       advance(sample.stamp);
       pipeline_.poll(sample.stamp);
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {
-        pipeline_.add_tracks(run_.frame(next_frame_++));
+        pipeline_.add_frame(run_.frame(next_frame_++));
       }
       for (FrameOutput& frame : pipeline_.take_frames()) frames.push_back(std::move(frame));
       for (LocalizationOutput& answer : pipeline_.take_answers())

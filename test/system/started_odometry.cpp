@@ -105,7 +105,7 @@ std::vector<double> starts_in_motion(const RecordedFlight& flight, const StartCh
   const Trajectory truth = read_trajectory(flight.ground_truth);
   const Timestamp first = first_frame(flight.folder);
   const double period_s = frame_period_s(flight.folder);
-  const auto frames = static_cast<int>(DatasetReader({.folder = flight.folder}).frame_count());
+  const auto frames = static_cast<int>(*DatasetReader({.folder = flight.folder}).frame_count());
   const auto playing = static_cast<int>(std::lround(choice.playing_s / period_s));
   std::vector<double> moving;
   for (int frame = 0; frame + playing <= frames; ++frame) {

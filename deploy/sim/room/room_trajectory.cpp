@@ -108,6 +108,10 @@ RoomTrajectory::RoomTrajectory(double rest_s, double speed)
       rounds_rate_(speed / std::sqrt(mean_square_slope(kX) + mean_square_slope(kY) +
                                      mean_square_slope(kZ))) {}
 
+double RoomTrajectory::round_s() const {
+  return 2.0 * std::numbers::pi / rounds_rate_;
+}
+
 Motion RoomTrajectory::at(double time_s) const {
   Jet theta = time_in_motion(time_s, rest_s_);
   theta = {rounds_rate_ * theta.value, rounds_rate_ * theta.first, rounds_rate_ * theta.second};

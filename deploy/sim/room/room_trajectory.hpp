@@ -25,6 +25,9 @@ class RoomTrajectory {
 
   [[nodiscard]] Motion at(double time_s) const;
 
+  /// After which, at full speed, the motion repeats.
+  [[nodiscard]] double round_s() const;
+
  private:
   double rest_s_;
   double rounds_rate_;  ///< of the curve's parameter, once at full speed [rad/s]

@@ -41,6 +41,9 @@ class SimulatedRun {
   /// In the room's frame, z up. The bias is the true one. Times count from Timestamp{}.
   [[nodiscard]] NavState truth(Timestamp stamp) const;
 
+  /// After which, at full speed, the motion repeats.
+  [[nodiscard]] double round_s() const { return trajectory_.round_s(); }
+
   /// Samples at stamps of [from, to]; the same stamp gives the same sample in every call.
   [[nodiscard]] std::vector<ImuSample> imu(Timestamp from, Timestamp to) const;
 

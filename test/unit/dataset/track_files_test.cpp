@@ -7,6 +7,7 @@
 
 #include "deploy/replay/fault_injector.hpp"
 #include "deploy/sim/recording/dataset_writer.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {
@@ -58,8 +59,10 @@ class TrackFilesOfADataset : public ::testing::Test {
 
   [[nodiscard]] std::vector<TrackedFrame> play(const FaultPlan& plan = {},
                                                double start_s = 0.0) const {
-    FaultInjector input(DatasetReader({.folder = folder_, .start_s = start_s, .tracks = true}),
-                        plan);
+    auto recording = std::make_unique<DatasetReader>(
+        DatasetReader::Options{.folder = folder_, .start_s = start_s, .tracks = true});
+    const Timestamp start = recording->recording_start();
+    FaultInjector input(std::move(recording), start, plan);
     std::vector<TrackedFrame> frames;
     while (auto item = input.next()) {
       if (auto* cameras = std::get_if<CameraFrame>(&*item)) {

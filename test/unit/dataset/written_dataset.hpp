@@ -89,17 +89,17 @@ class Dataset : public ::testing::Test {
             .right = image_of(number + 20)};
   }
 
-  std::vector<DatasetReader::Item> play(DatasetReader::Options options = {}) {
+  std::vector<SensorMeasurement> play(DatasetReader::Options options = {}) {
     options.folder = folder_;
     DatasetReader reader(options);
-    std::vector<DatasetReader::Item> items;
+    std::vector<SensorMeasurement> items;
     while (auto item = reader.next()) items.push_back(std::move(*item));
     EXPECT_FALSE(reader.next());
-    faults_ = reader.faults();
+    faults_ = reader.close();
     return items;
   }
 
-  static std::vector<StereoFrame> frames_of(const std::vector<DatasetReader::Item>& items) {
+  static std::vector<StereoFrame> frames_of(const std::vector<SensorMeasurement>& items) {
     std::vector<StereoFrame> frames;
     for (const auto& item : items) {
       if (const auto* frame = std::get_if<CameraFrame>(&item)) {

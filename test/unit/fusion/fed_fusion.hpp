@@ -112,7 +112,7 @@ class FedFusion {
     }
   }
   /// T_map_body of a frame if T_map_odom is the given one.
-  PoseFusion::Verdict answer_at(double t, const Pose& T_map_odom = true_T_map_odom()) {
+  AnswerOutcome answer_at(double t, const Pose& T_map_odom = true_T_map_odom()) {
     return fusion.add_answer(answer(t, T_map_odom * drive.pose(t)));
   }
 

@@ -45,7 +45,7 @@ class DriftingRun {
         sent.push_back(next_answer(0.02 * (tick - 2)));
         const auto arrived = static_cast<std::size_t>(kAnswerDelay / kAnswerInterval);
         if (sent.size() > arrived) {
-          refused_ += fusion.add_answer(sent[sent.size() - 1 - arrived]).applied ? 0 : 1;
+          refused_ += fusion.add_answer(sent[sent.size() - 1 - arrived]) ? 0 : 1;
         }
       }
     }
@@ -185,7 +185,7 @@ double squared_error_after_growing_window(unsigned seed, int answers) {
     fed.drive_to(n + 0.5);
     LocalizationResult mean = answer(n, retract(fed.drive.pose(n), sum / n));
     mean.covariance = Matrix6d(sigma.cwiseAbs2().asDiagonal()) / n;
-    EXPECT_TRUE(fed.fusion.add_answer(mean).applied) << "seed " << seed << ", answer " << n;
+    EXPECT_TRUE(fed.fusion.add_answer(mean).has_value()) << "seed " << seed << ", answer " << n;
   }
   fed.drive_to(answers + 1.0);
   const Vector6d error = local_coordinates(*fed.output.T_map_body, fed.drive.pose(answers + 1.0));

@@ -33,9 +33,9 @@ TEST(PoseFusion, IsNotLocalizedFromAnInterruptionOnUntilAnAnswerOfTheNewSessionA
   EXPECT_GT((fed.output.covariance_map.bottomRightCorner<3, 3>().trace()), 2e-2);
 
   LocalizationResult fresh = answer(5.8, true_T_map_odom() * fed.drive.pose(5.8));
-  EXPECT_EQ(fed.fusion.add_answer(fresh).reason, "wrong_session");
+  EXPECT_EQ(name(fed.fusion.add_answer(fresh)), "wrong_session");
   fresh.session = SessionNumber{2};
-  EXPECT_EQ(fed.fusion.add_answer(fresh).reason, "applied");
+  EXPECT_EQ(name(fed.fusion.add_answer(fresh)), "applied");
   fed.drive_to(6.1);
   EXPECT_EQ(fed.output.quality, Quality::kLocalized);
   // The answer takes the place of what was carried; it is not averaged with it.
@@ -53,11 +53,11 @@ TEST(PoseFusion, GatesTheFirstAnswerAfterAResetAgainstWhatWasCarried) {
   elsewhere.p.y() += 2.0;
   LocalizationResult wrong = answer(5.8, elsewhere * fed.drive.pose(5.8));
   wrong.session = SessionNumber{2};
-  EXPECT_EQ(fed.fusion.add_answer(wrong).reason, "gated");
+  EXPECT_EQ(name(fed.fusion.add_answer(wrong)), "gated");
   LocalizationResult other_map = answer(5.9, true_T_map_odom() * fed.drive.pose(5.9));
   other_map.session = SessionNumber{2};
   other_map.map_hash.front() ^= 1;
-  EXPECT_EQ(fed.fusion.add_answer(other_map).reason, "wrong_map");
+  EXPECT_EQ(name(fed.fusion.add_answer(other_map)), "wrong_map");
   fed.drive_to(6.1);
   EXPECT_EQ(fed.output.quality, Quality::kDeadReckoning);
 }

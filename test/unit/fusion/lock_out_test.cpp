@@ -21,18 +21,18 @@ class LockOut : public testing::TestWithParam<PoseFusion::Formulation> {
   template <typename Change>
   explicit LockOut(const Change& change) : fed_(config(change)) {
     fed_.drive_to(2.0);
-    EXPECT_TRUE(fed_.answer_at(1.0, elsewhere(3.0)).applied);
+    EXPECT_TRUE(fed_.answer_at(1.0, elsewhere(3.0)).has_value());
   }
-  PoseFusion::Verdict answer_from(const std::string& localizer, double t, const Pose& T_map_odom) {
+  AnswerOutcome answer_from(const std::string& localizer, double t, const Pose& T_map_odom) {
     fed_.drive_to(t + 1.0);
     LocalizationResult said = answer(t, T_map_odom * fed_.drive.pose(t));
     said.localizer = localizer;
     return fed_.fusion.add_answer(said);
   }
-  PoseFusion::Verdict truth_from(const std::string& localizer, double t) {
+  AnswerOutcome truth_from(const std::string& localizer, double t) {
     return answer_from(localizer, t, true_T_map_odom());
   }
-  PoseFusion::Verdict same_again(double t) { return answer_from("cloud", t, elsewhere(3.0)); }
+  AnswerOutcome same_again(double t) { return answer_from("cloud", t, elsewhere(3.0)); }
 
   Quality quality() {
     fed_.drive_to(to_seconds(fed_.output.stamp - Timestamp{}) + 0.01);
@@ -65,7 +65,7 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedAfterOneWindow) {
   constexpr double kFirst = 2.0;
   int rejected = 0;
   double t = kFirst;
-  for (; truth_from("cloud", t).reason == "gated"; t += 0.5) {
+  for (; name(truth_from("cloud", t)) == "gated"; t += 0.5) {
     ++rejected;
     EXPECT_EQ(quality(), rejected < 3 ? Quality::kLocalized : Quality::kLost) << "at " << t;
     ASSERT_LT(t, 60.0);
@@ -77,44 +77,44 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedAfterOneWindow) {
 
 TEST_P(LockOut, AnAlignmentThatManyWindowsConfirmedYieldsToMany) {
   for (int i = 1; i < 5; ++i) {
-    EXPECT_TRUE(same_again(1.0 + 21.0 * i).applied);
+    EXPECT_TRUE(same_again(1.0 + 21.0 * i).has_value());
   }
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(truth_from("cloud", 90.0 + 21.0 * i).reason, "gated");
+    EXPECT_EQ(name(truth_from("cloud", 90.0 + 21.0 * i)), "gated");
   }
   EXPECT_EQ(quality(), Quality::kLost);
-  EXPECT_EQ(truth_from("cloud", 153.0).reason, "restarted");
+  EXPECT_EQ(name(truth_from("cloud", 153.0)), "restarted");
   EXPECT_EQ(quality(), Quality::kLocalized);
   EXPECT_LT(position_error(), 0.05);
 }
 
 TEST_P(LockOut, AReplacementKeepsTheStandingOfItsAnswers) {
   truth_from("cloud", 5.0);
-  EXPECT_EQ(truth_from("cloud", 26.0).reason, "restarted");
-  EXPECT_EQ(same_again(27.0).reason, "gated");
-  EXPECT_EQ(same_again(48.0).reason, "gated");  // two against two
-  EXPECT_EQ(same_again(69.0).reason, "restarted");
+  EXPECT_EQ(name(truth_from("cloud", 26.0)), "restarted");
+  EXPECT_EQ(name(same_again(27.0)), "gated");
+  EXPECT_EQ(name(same_again(48.0)), "gated");  // two against two
+  EXPECT_EQ(name(same_again(69.0)), "restarted");
 }
 
 TEST_P(LockOut, AnswersOfOneWindowCountOnce) {
   for (int i = 0; i < 15; ++i) {
-    EXPECT_EQ(truth_from("cloud", 5.0 + i).reason, "gated");
+    EXPECT_EQ(name(truth_from("cloud", 5.0 + i)), "gated");
   }
   EXPECT_EQ(quality(), Quality::kLost);
   EXPECT_NEAR(position_error(), 3.0, 0.1);
 }
 
 TEST_P(LockOut, ReinitializedLocalizersAreIndependent) {
-  EXPECT_EQ(truth_from("a", 5.0).reason, "gated");
-  EXPECT_EQ(truth_from("a", 6.0).reason, "gated");  // the same window again
-  EXPECT_EQ(truth_from("b", 7.0).reason, "restarted");
+  EXPECT_EQ(name(truth_from("a", 5.0)), "gated");
+  EXPECT_EQ(name(truth_from("a", 6.0)), "gated");  // the same window again
+  EXPECT_EQ(name(truth_from("b", 7.0)), "restarted");
   EXPECT_LT(position_error(), 0.05);
 }
 
 TEST_P(LockOut, AnswersThatDisagreeRestartNothing) {
   for (int i = 0; i < 8; ++i) {
     fed_.drive_to(6.0 + 21.0 * i);
-    EXPECT_EQ(fed_.answer_at(5.0 + 21.0 * i, elsewhere(6.0 + 5.0 * i)).reason, "gated");
+    EXPECT_EQ(name(fed_.answer_at(5.0 + 21.0 * i, elsewhere(6.0 + 5.0 * i))), "gated");
   }
   EXPECT_EQ(quality(), Quality::kDeadReckoning);
   EXPECT_NEAR(position_error(), 3.0, 0.1);
@@ -126,16 +126,16 @@ TEST_P(LockOut, AppliedAnswersInARowEndTheContradiction) {
   }
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(quality(), Quality::kLost);
-    EXPECT_TRUE(same_again(9.0 + i).applied);
+    EXPECT_TRUE(same_again(9.0 + i).has_value());
   }
   EXPECT_EQ(quality(), Quality::kLocalized);
 }
 
 TEST_P(LockOut, IsLostWhileHalfOfTheAnswersContradict) {
   for (int i = 0; i < 8; ++i) {
-    EXPECT_EQ(truth_from("cloud", 3.0 + i).reason, "gated");
+    EXPECT_EQ(name(truth_from("cloud", 3.0 + i)), "gated");
     EXPECT_EQ(quality(), i < 2 ? Quality::kLocalized : Quality::kLost) << i;
-    EXPECT_TRUE(same_again(3.5 + i).applied);
+    EXPECT_TRUE(same_again(3.5 + i).has_value());
     EXPECT_EQ(quality(), i < 2 ? Quality::kLocalized : Quality::kLost) << i;
   }
 }
@@ -168,7 +168,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
   bool dead_reckoned = false;
   for (int second = 2; second < 180; second += 2) {
     const double t = second;
-    EXPECT_EQ(other_map(t, SessionNumber{}).reason, "wrong_map");
+    EXPECT_EQ(name(other_map(t, SessionNumber{})), "wrong_map");
     EXPECT_EQ(quality() == Quality::kLocalized, t < 5.0) << t;
     dead_reckoned = dead_reckoned || quality() == Quality::kDeadReckoning;
   }
@@ -177,7 +177,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
 
   fed_.fusion.reset(SessionNumber{1}, std::nullopt);
   fed_.drive_to(183.0);
-  EXPECT_EQ(other_map(183.0, SessionNumber{1}).reason, "applied");
+  EXPECT_EQ(name(other_map(183.0, SessionNumber{1})), "applied");
   EXPECT_EQ(quality(), Quality::kLocalized);
   EXPECT_LT(position_error(), 0.05);
 }
@@ -185,7 +185,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
 TEST_P(SoonLost, WhatDriftedTooFarIsFoundAgainByOneAnswer) {
   fed_.drive_to(180.0);
   EXPECT_EQ(fed_.output.quality, Quality::kLost);
-  EXPECT_TRUE(same_again(179.0).applied);
+  EXPECT_TRUE(same_again(179.0).has_value());
   EXPECT_EQ(quality(), Quality::kLocalized);
 }
 

@@ -54,7 +54,7 @@ class DynamicObjects : public testing::TestWithParam<Moving> {
       while (run_.frame_stamp(next_frame) <= sample.stamp) {
         TrackedFrame frame = run_.frame(next_frame++);
         move(frame);
-        pipeline.add_tracks(std::move(frame));
+        pipeline.add_frame(std::move(frame));
       }
       for (FrameOutput& frame : pipeline.take_frames()) {
         const double t = to_seconds(frame.stamp - Timestamp{});

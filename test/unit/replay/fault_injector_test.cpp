@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "deploy/sim/recording/dataset_writer.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 #include "test/test_folder.hpp"
 
 namespace fleetloc {
@@ -50,7 +51,10 @@ struct Played {
 };
 
 Played play(const FaultPlan& plan, double start_s = 0.0) {
-  FaultInjector input(DatasetReader({.folder = written_recording(), .start_s = start_s}), plan);
+  auto recording = std::make_unique<DatasetReader>(
+      DatasetReader::Options{.folder = written_recording(), .start_s = start_s});
+  const Timestamp start = recording->recording_start();
+  FaultInjector input(std::move(recording), start, plan);
   Played played;
   while (auto item = input.next()) {
     if (auto* frame = std::get_if<CameraFrame>(&*item)) {
@@ -59,7 +63,7 @@ Played play(const FaultPlan& plan, double start_s = 0.0) {
     if (auto* sample = std::get_if<ImuSample>(&*item)) played.imu.push_back(*sample);
   }
   EXPECT_FALSE(input.next());
-  played.faults = input.faults();
+  played.faults = input.close();
   return played;
 }
 
@@ -81,7 +85,7 @@ TEST(FaultInjector, PassesARecordingOnWithoutFaults) {
   const Played played = play(FaultPlan{});
   ASSERT_EQ(played.frames.size(), 40U);
   EXPECT_EQ(gray(played.frames[7].right), 17);
-  EXPECT_EQ(played.faults, DatasetReader({.folder = written_recording()}).faults());
+  EXPECT_EQ(played.faults, DatasetReader({.folder = written_recording()}).close());
 }
 
 TEST(FaultInjector, PaintsFreezesAndTakesAwayImagesForTheStatedTime) {

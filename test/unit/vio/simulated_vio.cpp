@@ -68,10 +68,9 @@ class Player {
     const std::vector<ImuSample> samples =
         index == 0 ? std::vector<ImuSample>{}
                    : imu_.between(run_.frame_stamp(index - 1), frame.stamp);
-    result.initialization = initializer_.add(frame, samples);
-    if (!result.initialization.has_value()) {
-      return;
-    }
+    auto initialization = initializer_.add(frame, samples);
+    if (!initialization) return;
+    result.initialization = std::move(*initialization);
     result.initialized_s = to_seconds(frame.stamp - run_.frame_stamp(0));
     result.T_first_newest_truth =
         inverse(run_.truth(run_.frame_stamp(0)).T_odom_body) * run_.truth(frame.stamp).T_odom_body;

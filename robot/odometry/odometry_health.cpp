@@ -1,4 +1,4 @@
-#include "robot/pipeline/odometry_health.hpp"
+#include "robot/odometry/odometry_health.hpp"
 
 #include "shared/geometry/so3.hpp"
 
@@ -32,29 +32,30 @@ std::string_view name(ResetCause cause) {
 }
 
 // All comparisons are such that NaN fails.
-std::optional<ResetCause> OdometryHealth::check(const WindowEstimate& window) {
+expected<void, ResetCause> OdometryHealth::check(const WindowEstimate& window) {
   const WindowKeyframe& newest = window.keyframes.back();
   const ImuBias& bias = newest.state.bias;
   if (!window.diagnostics.converged || !(newest.state.v_odom.norm() <= config_.max_speed)) {
-    return ResetCause::kDiverged;
+    return unexpected(ResetCause::kDiverged);
   }
   if (!(bias.gyroscope.norm() <= config_.max_gyroscope_bias) ||
       !(bias.accelerometer.norm() <= config_.max_accelerometer_bias)) {
-    return ResetCause::kImplausibleBias;
+    return unexpected(ResetCause::kImplausibleBias);
   }
   if (!last_vision_update_) last_vision_update_ = newest.stamp;
-  return std::nullopt;
+  return {};
 }
 
-std::optional<ResetCause> OdometryHealth::check(const FrameEstimator::Result& frame) {
+expected<void, ResetCause> OdometryHealth::check(const FrameEstimator::Result& frame) {
   const OdometryEstimate& estimate = frame.estimate;
   if (frame.vision_updated || !last_vision_update_) last_vision_update_ = estimate.stamp;
   if (to_seconds(estimate.stamp - *last_vision_update_) > config_.max_vision_lost_s)
-    return ResetCause::kVisionLost;
-  if (!(estimate.state.v_odom.norm() <= config_.max_speed)) return ResetCause::kDiverged;
+    return unexpected(ResetCause::kVisionLost);
+  if (!(estimate.state.v_odom.norm() <= config_.max_speed))
+    return unexpected(ResetCause::kDiverged);
   const Eigen::Array3d sigma = velocity_covariance(estimate).diagonal().array().sqrt();
-  if (!(sigma <= config_.max_velocity_sigma).all()) return ResetCause::kUncertain;
-  return std::nullopt;
+  if (!(sigma <= config_.max_velocity_sigma).all()) return unexpected(ResetCause::kUncertain);
+  return {};
 }
 
 OdometryHealth::Config read_odometry_health_config(ConfigReader section) {

@@ -1,10 +1,27 @@
 #pragma once
 
+#include <map>
+#include <optional>
+
 #include "robot/vio/sliding_window.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
+
+/// Lets a new odometry go on where the failed one had been carried to by dead reckoning.
+class Continuation {
+ public:
+  /// The pose of a frame while there is no odometry; stamps increase.
+  void add(const PoseEstimate& dead_reckoned);
+
+  /// continue_from() the pose at the oldest keyframe of a new initialization, and forgets all.
+  /// @return that pose; nothing if there is none, so that odom begins anew
+  std::optional<PoseEstimate> apply(Initialization& initialization);
+
+ private:
+  std::map<Timestamp, PoseEstimate> dead_reckoned_;
+};
 
 /// Transforms a new initialization in yaw and position so that its oldest keyframe is at the
 /// dead-reckoned pose: odom stays continuous, with that pose's uncertainty as drift.

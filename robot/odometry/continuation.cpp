@@ -1,12 +1,17 @@
-#include "robot/pipeline/continuation.hpp"
+#include "robot/odometry/continuation.hpp"
 
+#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "robot/vio/gauge_factor.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
 namespace {
+
+// Initializations look back less far than this.
+constexpr Duration kKeptFor = std::chrono::seconds(30);
 
 // The turn about z that brings `from` as close to `to` as such a turn can.
 Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
@@ -15,6 +20,20 @@ Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quat
 }
 
 }  // namespace
+
+void Continuation::add(const PoseEstimate& dead_reckoned) {
+  const Timestamp horizon = dead_reckoned.stamp - kKeptFor;
+  dead_reckoned_.erase(dead_reckoned_.begin(), dead_reckoned_.lower_bound(horizon));
+  dead_reckoned_.emplace(dead_reckoned.stamp, dead_reckoned);
+}
+
+std::optional<PoseEstimate> Continuation::apply(Initialization& initialization) {
+  const auto kept = std::exchange(dead_reckoned_, {});
+  const auto found = kept.find(initialization.keyframes.front().frame.stamp);
+  if (found == kept.end() || found->second.quality == Quality::kInitializing) return std::nullopt;
+  continue_from(found->second, initialization);
+  return found->second;
+}
 
 void continue_from(const PoseEstimate& dead_reckoned, Initialization& initialization) {
   const Pose& T_odom_body = dead_reckoned.T_odom_body;

@@ -1,4 +1,4 @@
-#include "robot/pipeline/back_end.hpp"
+#include "robot/odometry/back_end.hpp"
 
 #include <cassert>
 #include <utility>

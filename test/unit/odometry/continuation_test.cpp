@@ -1,4 +1,4 @@
-#include "robot/pipeline/continuation.hpp"
+#include "robot/odometry/continuation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,6 +26,57 @@ Initialization new_start() {
   start.states[1] = start.states[0];
   start.states[1].T_odom_body.p += Eigen::Vector3d(0.5, 0.0, 0.1);
   return start;
+}
+
+/// A frame's dead-reckoned pose, with the second in its place.
+PoseEstimate carried_at(int second) {
+  PoseEstimate pose = dead_reckoned();
+  pose.stamp = Timestamp{std::chrono::seconds(second)};
+  pose.quality = Quality::kDeadReckoning;
+  pose.T_odom_body.p.x() = second;
+  return pose;
+}
+
+Initialization start_at(int second) {
+  Initialization start = new_start();
+  start.keyframes.resize(2);
+  start.keyframes[0].frame.stamp = Timestamp{std::chrono::seconds(second)};
+  start.keyframes[1].frame.stamp = Timestamp{std::chrono::seconds(second + 1)};
+  return start;
+}
+
+TEST(Continuation, GoesOnFromThePoseOfTheNewOldestKeyframe) {
+  Continuation continuation;
+  for (int second = 100; second < 103; ++second) continuation.add(carried_at(second));
+  Initialization start = start_at(101);
+  const auto continued = continuation.apply(start);
+  ASSERT_TRUE(continued.has_value());
+  EXPECT_EQ(continued->stamp, start.keyframes[0].frame.stamp);
+  EXPECT_NEAR(start.states[0].T_odom_body.p.x(), 101.0, 1e-9);
+  Initialization again = start_at(101);
+  EXPECT_FALSE(continuation.apply(again).has_value());  // all is forgotten
+}
+
+TEST(Continuation, LeavesAStartAloneThatItKnowsNoPoseOf) {
+  Continuation continuation;
+  continuation.add(carried_at(100));
+  PoseEstimate nothing = carried_at(101);
+  nothing.quality = Quality::kInitializing;  // there was no pose
+  continuation.add(nothing);
+  for (const int second : {101, 102}) {
+    Initialization start = start_at(second);
+    EXPECT_FALSE(continuation.apply(start).has_value());
+    EXPECT_EQ(start.states[0].T_odom_body.p, new_start().states[0].T_odom_body.p);
+  }
+}
+
+TEST(Continuation, KeepsHalfAMinuteOnly) {
+  Continuation continuation;
+  for (int second = 0; second <= 100; ++second) continuation.add(carried_at(second));
+  Initialization start = start_at(69);
+  EXPECT_FALSE(Continuation(continuation).apply(start).has_value());
+  start = start_at(71);
+  EXPECT_TRUE(continuation.apply(start).has_value());
 }
 
 TEST(Continuation, PutsTheOldestKeyframeWhereTheRobotWasAndKeepsTheMotion) {

@@ -6,6 +6,7 @@
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/window_estimate.hpp"
 #include "shared/config/config_reader.hpp"
+#include "shared/core/expected.hpp"
 
 namespace fleetloc {
 
@@ -21,7 +22,8 @@ enum class ResetCause {
 /// Name in files, e.g. "implausible_bias".
 std::string_view name(ResetCause cause);
 
-/// Decides whether inertial prediction bridges a fault (some bad images) or the odometry is reset.
+/// Decides whether inertial prediction bridges a fault (some bad images) or the odometry has to be
+/// reset, and why.
 class OdometryHealth {
  public:
   struct Config {
@@ -33,11 +35,11 @@ class OdometryHealth {
   };
   explicit OdometryHealth(const Config& config) : config_(config) {}
 
-  /// Checks the latest optimization; the first one of a session starts it. Nothing if healthy.
-  std::optional<ResetCause> check(const WindowEstimate& window);
+  /// Checks the latest optimization; the first one of a session starts it.
+  expected<void, ResetCause> check(const WindowEstimate& window);
 
-  /// Checks one frame, between optimizations. Nothing if healthy.
-  std::optional<ResetCause> check(const FrameEstimator::Result& frame);
+  /// Checks one frame, between optimizations.
+  expected<void, ResetCause> check(const FrameEstimator::Result& frame);
 
   /// After a reset of the odometry.
   void reset() { last_vision_update_.reset(); }

@@ -1,0 +1,20 @@
+#include "robot/odometry/visual_inertial_odometry.hpp"
+#include "robot/vio/vio_config.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+VisualInertialOdometry::Config read_odometry_config(ConfigReader config) {
+  const VioConfig vio = read_vio_config(config.section("vio"));
+  return {.tracking = read_feature_tracker_config(config.section("tracking")),
+          .initializer = vio.initializer,
+          .frame_estimator = vio.frame_estimator,
+          .health = read_odometry_health_config(config.section("health"))};
+}
+
+KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {
+  return {.window = read_vio_config(config.section("vio")).window,
+          .submap = read_submap_builder_config(config.section("submap"))};
+}
+
+}  // namespace fleetloc

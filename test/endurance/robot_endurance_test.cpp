@@ -1,0 +1,99 @@
+// A robot that runs for long: nothing in it may grow with time. FLEETLOC_ENDURANCE_FRAMES sets how
+// long; test/endurance.sh runs it for hours.
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include "deploy/replay/simulated_back_end.hpp"
+#include "robot/runtime/robot_runtime.hpp"
+#include "test/looped_flight.hpp"
+#include "test/truthful_localizer.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kShares = 10;  // of the run, in which memory is compared
+
+std::size_t frame_count() {
+  const char* frames = std::getenv("FLEETLOC_ENDURANCE_FRAMES");
+  return frames == nullptr ? 20000 : std::stoul(frames);
+}
+
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");
+  double total_pages = 0.0;
+  double resident_pages = 0.0;
+  statm >> total_pages >> resident_pages;
+  return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+double heap_in_use_mb() {
+  return static_cast<double>(mallinfo2().uordblks) / 1e6;
+}
+
+/// Memory in each share of the run, and how good the robot's poses were.
+class Watch final : public RobotSink {
+ public:
+  explicit Watch(const LoopedFlight& flight) : flight_(flight) {}
+
+  void add(const RobotOutput& output) override {
+    for (const FrameOutput& frame : output.frames) {
+      const std::size_t share = kShares * frames_++ / *flight_.frame_count();
+      heap_mb[share] = std::max(heap_mb[share], heap_in_use_mb());
+      resident[share] = std::max(resident[share], resident_mb());
+      if (frame.pose.quality != Quality::kLocalized) continue;
+      ++localized;
+      const Pose truth = flight_.truth(frame.stamp);
+      worst_m = std::max(worst_m, (frame.pose.T_map_body->p - truth.p).norm());
+    }
+  }
+
+  std::array<double, kShares> heap_mb{};  // at most, as the next
+  std::array<double, kShares> resident{};
+  std::size_t localized = 0;
+  double worst_m = 0.0;
+
+ private:
+  const LoopedFlight& flight_;
+  std::size_t frames_ = 0;
+};
+
+TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
+  const std::size_t frames = frame_count();
+  const ConfigReader config = defaults();
+  LoopedFlight flight(frames);
+  TruthfulLocalizer localizer([&](Timestamp stamp) { return flight.truth(stamp); });
+  SimulatedBackEnd back_end(
+      KeyframeWorker(
+          flight.run().stereo(), flight.run().noise(), read_keyframe_worker_config(config), {}),
+      std::chrono::milliseconds(50));
+  RobotPipeline robot({.id = "robot",
+                       .calibration = ideal_cameras(flight.run().stereo()),
+                       .imu_noise = flight.run().noise(),
+                       .T_map_body = flight.truth(Timestamp{})},
+                      read_robot_pipeline_config(config),
+                      back_end,
+                      &localizer);
+  Watch watch(flight);
+  RobotRuntime("robot", flight, robot, &localizer, {watch}).run({});
+
+  for (std::size_t i = 0; i < kShares; ++i) {
+    std::cout << "to " << 100 * (i + 1) / kShares << " %: heap " << watch.heap_mb[i]
+              << " MB in use, resident " << watch.resident[i] << " MB\n";
+  }
+  std::cout << watch.localized << " of " << frames << " frames localized, worst error "
+            << watch.worst_m << " m, " << robot.odometry().statistics().resets << " resets\n";
+  EXPECT_LE(*std::ranges::max_element(watch.heap_mb), 1.02 * watch.heap_mb.front());
+  EXPECT_LE(*std::ranges::max_element(watch.resident), 1.02 * watch.resident.front());
+  EXPECT_GT(watch.localized, frames - 100);
+  EXPECT_LT(watch.worst_m, 0.15);
+}
+
+}  // namespace
+}  // namespace fleetloc
