@@ -6,7 +6,6 @@ namespace fleetloc {
 namespace {
 
 // Measured on Fast DDS 2.9.1 with maxMessageSize 1400; test/transport compares the two.
-constexpr std::size_t kIpUdpBytes = 28;
 constexpr std::size_t kRtpsBytes = 20;         // header
 constexpr std::size_t kDestinationBytes = 16;  // submessage INFO_DST
 constexpr std::size_t kTimestampBytes = 12;    // submessage INFO_TS

@@ -71,7 +71,7 @@ std::vector<Message> DdsChannel::receive(Timestamp /*now*/) {
 }
 
 ChannelStatistics DdsChannel::statistics() const {
-  const WireTraffic traffic = wire_->traffic();
+  const WireTraffic traffic = wire_->traffic.traffic();
   const std::lock_guard lock(mutex_);
   ChannelStatistics statistics = statistics_;
   statistics.sent_wire_bytes = traffic.sent_bytes;
@@ -104,7 +104,7 @@ int DdsChannel::matched_readers(Topic topic, const std::string& partition) {
 ChannelDiagnostics DdsChannel::diagnostics() const {
   const std::lock_guard lock(mutex_);
   ChannelDiagnostics result = diagnostics_;
-  result.malformed = wire_->traffic().malformed_datagrams;
+  result.malformed = wire_->traffic.traffic().malformed_datagrams;
   return result;
 }
 
@@ -149,7 +149,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
     policy.lost(lost, Clock::now());
     policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
     if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
-    if (wire_->has_server_restarted()) policy.server_restarted();
+    if (wire_->servers.has_restarted()) policy.server_restarted();
     if (policy.wants_lookup(Clock::now())) lookup_.start();
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
     was_cut_off = policy.is_cut_off();

@@ -22,7 +22,7 @@ struct DdsChannelConfig {
   std::string participant_profile;
   ChannelRole role;
   std::string name;                ///< of the robot or the localizer: its partition
-  std::optional<LinkConfig> link;  ///< emulated around this end, see WireLink
+  std::optional<LinkConfig> link;  ///< emulated around this end, see EmulatedLink
 };
 
 /// Topic and partition of a writer.

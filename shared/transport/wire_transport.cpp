@@ -12,6 +12,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
+#include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/network_addresses.hpp"
 
@@ -22,20 +23,9 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-constexpr std::uint32_t kIpUdpBytes = 28;  // headers of IPv4 and UDP
+using Clock = std::chrono::steady_clock;
 
-Timestamp to_timestamp(WireLink::Clock::time_point time) {
-  return Timestamp(std::chrono::duration_cast<Duration>(time.time_since_epoch()));
-}
-
-std::optional<WireLink::Clock::time_point> through(LinkModel& link, std::uint32_t datagram_bytes) {
-  const auto arrival =
-      link.arrival(to_timestamp(WireLink::Clock::now()), std::size_t{datagram_bytes} + kIpUdpBytes);
-  if (!arrival) return std::nullopt;
-  return WireLink::Clock::time_point(
-      std::chrono::duration_cast<WireLink::Clock::duration>(arrival->time_since_epoch()));
-}
-
+// The first byte is the highest.
 std::uint32_t address_of(const rtps::Locator_t& locator) {
   const rtps::octet* bytes = rtps::IPLocator::getIPv4(locator);
   std::uint32_t address = 0;
@@ -48,13 +38,13 @@ PeerAddressFilter::Locator locator_of(const rtps::Locator_t& locator) {
 }
 
 bool transmit(rtps::SenderResource& socket,
-              const rtps::octet* buffer,
-              std::uint32_t size,
+              RtpsBytes datagram,
               const fdr::LocatorList& destinations,
-              const WireLink::Clock::time_point& timeout) {
+              Clock::time_point timeout) {
   rtps::Locators first(destinations.begin());
   rtps::Locators last(destinations.end());
-  return socket.send(buffer, size, &first, &last, timeout);
+  const auto size = static_cast<std::uint32_t>(datagram.size());
+  return socket.send(datagram.data(), size, &first, &last, timeout);
 }
 
 /// Keeps the settings of the transport that it wraps.
@@ -80,8 +70,9 @@ class Transport final : public fdr::ChainingTransport {
   explicit Transport(const Descriptor& descriptor)
       : ChainingTransport(descriptor),
         descriptor_(descriptor),
+        has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
-        delay_line_(link_->is_emulated() ? std::make_unique<DelayLine>() : nullptr) {}
+        delay_line_(link_->emulated ? std::make_unique<DelayLine>() : nullptr) {}
   ~Transport() override { stop(); }
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
@@ -115,14 +106,17 @@ class Transport final : public fdr::ChainingTransport {
     if (delay_line_) delay_line_->stop();
   }
 
-  // Fast DDS sends to every address of a participant. A datagram to an unreachable network never
-  // leaves this computer, nor one that would arrive twice.
-  [[nodiscard]] bool leaves(const rtps::Locator_t& to,
-                            std::span<const PeerAddressFilter::Locator> destinations) const {
-    if (rtps::IPLocator::isMulticast(to)) return true;
-    return !link_->is_redundant(locator_of(to), destinations) &&
-           has_route(rtps::IPLocator::toIPv4string(to));
-  }
+  fdr::LocatorList useful(rtps::LocatorsIterator& begin,
+                          const rtps::LocatorsIterator& end,
+                          Clock::time_point now);
+  void send_later(rtps::SenderResource* socket,
+                  RtpsBytes datagram,
+                  const rtps::Locator_t& to,
+                  Clock::time_point due);
+  void deliver(fdr::TransportReceiverInterface& receiver,
+               RtpsBytes datagram,
+               const rtps::Locator_t& local,
+               const rtps::Locator_t& remote);
 
   // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
   // sends it to every address (a multicast on loopback only), the others, one an interface, send
@@ -132,14 +126,39 @@ class Transport final : public fdr::ChainingTransport {
   }
   // A multicast counts once, not on every interface.
   [[nodiscard]] bool counts(const rtps::SenderResource* socket) const {
-    return descriptor_.has_whitelist() || socket == first_socket_;
+    return has_whitelist_ || socket == first_socket_;
   }
 
   Descriptor descriptor_;
+  bool has_whitelist_;
   std::shared_ptr<WireLink> link_;
+  OwnDatagrams own_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
 };
+
+// Fast DDS sends to every address of a participant. A datagram to an unreachable network never
+// leaves this computer, nor one that would arrive twice.
+fdr::LocatorList Transport::useful(rtps::LocatorsIterator& begin,
+                                   const rtps::LocatorsIterator& end,
+                                   Clock::time_point now) {
+  std::vector<rtps::Locator_t> wanted;  // the iterators are valid in this call only
+  std::vector<PeerAddressFilter::Locator> locators;
+  for (; begin != end; ++begin) {
+    if (!IsLocatorSupported(*begin)) continue;
+    wanted.push_back(*begin);
+    locators.push_back(locator_of(*begin));
+  }
+  fdr::LocatorList useful;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    if (rtps::IPLocator::isMulticast(wanted[i]) ||
+        (!link_->addresses.is_redundant(locators[i], locators, now) &&
+         has_route(locators[i].address))) {
+      useful.push_back(wanted[i]);
+    }
+  }
+  return useful;
+}
 
 // NOLINTNEXTLINE(readability-function-size): the parameters are those of the library's interface
 bool Transport::send(rtps::SenderResource* socket,
@@ -148,44 +167,43 @@ bool Transport::send(rtps::SenderResource* socket,
                      rtps::LocatorsIterator* begin,
                      rtps::LocatorsIterator* end,
                      const std::chrono::steady_clock::time_point& timeout) {
-  rtps::SenderResource* none = nullptr;
-  first_socket_.compare_exchange_strong(none, socket);  // they are called in their order
-  std::vector<rtps::Locator_t> wanted;                  // the iterators are valid in this call only
-  std::vector<PeerAddressFilter::Locator> locators;
-  for (; *begin != *end; ++*begin) {
-    if (!IsLocatorSupported(**begin)) continue;
-    wanted.push_back(**begin);
-    locators.push_back(locator_of(**begin));
-  }
-  fdr::LocatorList destinations;
-  for (const rtps::Locator_t& to : wanted) {
-    if (!leaves(to, locators)) continue;
-    destinations.push_back(to);
-    if (counts(socket)) link_->count_sent(buffer, size);
-  }
-  if (!delay_line_) return transmit(*socket, buffer, size, destinations, timeout);
+  const RtpsBytes datagram(buffer, size);
+  const Clock::time_point now = Clock::now();
+  rtps::SenderResource* none = nullptr;  // yet; they are called in their order
+  if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
+  own_.sent(datagram);
+  const fdr::LocatorList destinations = useful(*begin, *end, now);
+  if (counts(socket)) link_->traffic.sent(size, destinations.size());
+  if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    const auto due = link_->outgoing_at(size);
-    if (!due) continue;
-    delay_line_->at(*due, [socket, to, copy = std::vector<rtps::octet>(buffer, buffer + size)] {
-      fdr::LocatorList destination;
-      destination.push_back(to);
-      const auto soon = WireLink::Clock::now() + std::chrono::milliseconds(100);
-      transmit(*socket, copy.data(), static_cast<std::uint32_t>(copy.size()), destination, soon);
-    });
+    const auto due = link_->emulated->outgoing_at(size, now);
+    if (due) send_later(socket, datagram, to, *due);
   }
   return true;
+}
+
+void Transport::send_later(rtps::SenderResource* socket,
+                           RtpsBytes datagram,
+                           const rtps::Locator_t& to,
+                           Clock::time_point due) {
+  delay_line_->at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
+    fdr::LocatorList destination;
+    destination.push_back(to);
+    transmit(*socket, copy, destination, Clock::now() + std::chrono::milliseconds(100));
+  });
 }
 
 // Called by Fast DDS with the addresses of each participant, again whenever they change.
 void Transport::select_locators(rtps::LocatorSelector& selector) const {
   ChainingTransport::select_locators(selector);
+  const Clock::time_point now = Clock::now();
   for (const rtps::LocatorSelectorEntry* entry : selector.transport_starts()) {
     GuidPrefix participant{};
     std::ranges::copy(entry->remote_guid.guidPrefix.value, participant.begin());
     for (const rtps::Locator_t& locator : entry->unicast) {
-      if (IsLocatorSupported(locator)) link_->note_announced(participant, locator_of(locator));
+      if (!IsLocatorSupported(locator)) continue;
+      link_->addresses.announced(participant, locator_of(locator), now);
     }
   }
 }
@@ -195,25 +213,28 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
                         std::uint32_t size,
                         const rtps::Locator_t& local,
                         const rtps::Locator_t& remote) {
-  if (!is_well_formed_rtps({buffer, size})) return link_->count_malformed();
-  if (link_->is_own(buffer, size)) {
-    receiver->OnDataReceived(buffer, size, local, remote);
-    return;
-  }
-  if (!delay_line_) {
-    link_->count_received(buffer, size, address_of(remote));
-    receiver->OnDataReceived(buffer, size, local, remote);
-    return;
-  }
-  const auto due = link_->incoming_at(size);
+  const RtpsBytes datagram(buffer, size);
+  if (!is_well_formed_rtps(datagram)) return link_->traffic.malformed();
+  if (own_.includes(datagram)) return receiver->OnDataReceived(buffer, size, local, remote);
+  if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
+  const auto due = link_->emulated->incoming_at(size, Clock::now());
   if (!due) return;
-  const auto deliver = [this, receiver, local, remote](const std::vector<rtps::octet>& copy) {
-    const auto bytes = static_cast<std::uint32_t>(copy.size());
-    link_->count_received(copy.data(), bytes, address_of(remote));
-    receiver->OnDataReceived(copy.data(), bytes, local, remote);
-  };
   delay_line_->at(
-      *due, [deliver, copy = std::vector<rtps::octet>(buffer, buffer + size)] { deliver(copy); });
+      *due, [this, receiver, local, remote, copy = std::vector(datagram.begin(), datagram.end())] {
+        deliver(*receiver, copy, local, remote);
+      });
+}
+
+void Transport::deliver(fdr::TransportReceiverInterface& receiver,
+                        RtpsBytes datagram,
+                        const rtps::Locator_t& local,
+                        const rtps::Locator_t& remote) {
+  const Clock::time_point now = Clock::now();
+  const auto size = static_cast<std::uint32_t>(datagram.size());
+  link_->servers.observe(datagram, now);
+  link_->addresses.heard(sender_of(datagram), address_of(remote), now);
+  link_->traffic.received(size);
+  receiver.OnDataReceived(datagram.data(), size, local, remote);
 }
 
 fdr::TransportInterface* Descriptor::create_transport() const {
@@ -221,83 +242,6 @@ fdr::TransportInterface* Descriptor::create_transport() const {
 }
 
 }  // namespace
-
-WireLink::WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
-  if (!link) return;
-  const bool is_robot = role == ChannelRole::kRobot;
-  outgoing_.emplace(is_robot ? link->uplink : link->downlink, link->seed);
-  incoming_.emplace(is_robot ? link->downlink : link->uplink, link->seed + 1);
-}
-
-void WireLink::begin_participant(const std::set<GuidPrefix>& servers) {
-  const std::lock_guard lock(mutex_);
-  own_prefix_.reset();
-  servers_.watch(servers);
-}
-
-std::optional<WireLink::Clock::time_point> WireLink::outgoing_at(std::uint32_t datagram_bytes) {
-  const std::lock_guard lock(mutex_);
-  return through(*outgoing_, datagram_bytes);
-}
-
-std::optional<WireLink::Clock::time_point> WireLink::incoming_at(std::uint32_t datagram_bytes) {
-  const std::lock_guard lock(mutex_);
-  return through(*incoming_, datagram_bytes);
-}
-
-void WireLink::count_sent(const std::uint8_t* datagram, std::uint32_t bytes) {
-  const std::lock_guard lock(mutex_);
-  ++traffic_.sent_datagrams;
-  traffic_.sent_bytes += bytes + kIpUdpBytes;
-  if (own_prefix_ || bytes < kRtpsHeaderBytes) return;
-  std::copy_n(datagram + kGuidPrefixAt, GuidPrefix().size(), own_prefix_.emplace().begin());
-}
-
-void WireLink::count_received(const std::uint8_t* datagram,
-                              std::uint32_t bytes,
-                              std::uint32_t address) {
-  const std::lock_guard lock(mutex_);
-  const Clock::time_point now = Clock::now();
-  servers_.observe({datagram, bytes}, now);
-  GuidPrefix sender{};
-  std::copy_n(datagram + kGuidPrefixAt, sender.size(), sender.begin());
-  addresses_.heard(sender, address, now);
-  ++traffic_.received_datagrams;
-  traffic_.received_bytes += bytes + kIpUdpBytes;
-}
-
-void WireLink::count_malformed() {
-  const std::lock_guard lock(mutex_);
-  ++traffic_.malformed_datagrams;
-}
-
-bool WireLink::is_own(const std::uint8_t* datagram, std::uint32_t bytes) const {
-  const std::lock_guard lock(mutex_);
-  return own_prefix_ && bytes >= kRtpsHeaderBytes &&
-         std::equal(own_prefix_->begin(), own_prefix_->end(), datagram + kGuidPrefixAt);
-}
-
-void WireLink::note_announced(const GuidPrefix& participant,
-                              const PeerAddressFilter::Locator& locator) {
-  const std::lock_guard lock(mutex_);
-  addresses_.announced(participant, locator, Clock::now());
-}
-
-bool WireLink::is_redundant(const PeerAddressFilter::Locator& locator,
-                            std::span<const PeerAddressFilter::Locator> destinations) const {
-  const std::lock_guard lock(mutex_);
-  return addresses_.is_redundant(locator, destinations, Clock::now());
-}
-
-WireTraffic WireLink::traffic() const {
-  const std::lock_guard lock(mutex_);
-  return traffic_;
-}
-
-bool WireLink::has_server_restarted() const {
-  const std::lock_guard lock(mutex_);
-  return servers_.has_restarted();
-}
 
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
                                                     std::shared_ptr<WireLink> link) {

@@ -92,11 +92,11 @@ InterfaceAddresses interface_addresses(const std::vector<std::string>& named) {
 }
 
 // A datagram socket sends nothing when it is connected.
-bool has_route(const std::string& address) {
+bool has_route(std::uint32_t address) {
   sockaddr_in destination{};
   destination.sin_family = AF_INET;
   destination.sin_port = htons(9);  // any
-  if (inet_pton(AF_INET, address.c_str(), &destination.sin_addr) != 1) return false;
+  destination.sin_addr.s_addr = htonl(address);
   const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return true;  // unknown: let the sending itself fail
   const bool routed =

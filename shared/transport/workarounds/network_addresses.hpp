@@ -27,7 +27,8 @@ using InterfaceAddresses = std::set<InterfaceAddress>;
 InterfaceAddresses interface_addresses(const std::vector<std::string>& named);
 
 /// Whether the kernel has a route to an IPv4 address.
-bool has_route(const std::string& address);
+/// @param address  its first byte the highest
+bool has_route(std::uint32_t address);
 
 /// Notifies of changes of this computer's addresses (netlink).
 class AddressWatch {

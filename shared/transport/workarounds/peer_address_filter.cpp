@@ -16,6 +16,7 @@ constexpr std::size_t kMaxParticipants = 4096;
 }  // namespace
 
 void PeerAddressFilter::announced(const GuidPrefix& participant, const Locator& locator, Time now) {
+  const std::lock_guard lock(mutex_);
   if (!participants_.contains(participant) && participants_.size() >= kMaxParticipants) {
     participants_.clear();
     announcers_.clear();
@@ -30,6 +31,7 @@ void PeerAddressFilter::announced(const GuidPrefix& participant, const Locator& 
 }
 
 void PeerAddressFilter::heard(const GuidPrefix& participant, std::uint32_t address, Time now) {
+  const std::lock_guard lock(mutex_);
   const auto known = participants_.find(participant);
   if (known == participants_.end()) return;
   known->second.source = address;
@@ -43,6 +45,8 @@ PeerAddressFilter::Time PeerAddressFilter::Participant::last() const {
 bool PeerAddressFilter::is_redundant(const Locator& locator,
                                      std::span<const Locator> destinations,
                                      Time now) const {
+  if (destinations.size() < 2) return false;  // it is the only one
+  const std::lock_guard lock(mutex_);
   const auto announcers = announcers_.find(locator);
   if (announcers == announcers_.end()) return false;
   bool is_heard_elsewhere = false;

@@ -8,6 +8,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <span>
@@ -20,7 +21,7 @@ namespace fleetloc {
 /// address that a participant announces: a localizer's computer has one in each of its networks,
 /// and often one of a local bridge, and each would cost a robot's uplink once more.
 ///
-/// No clock, no I/O.
+/// No clock, no I/O. Any thread may use any function.
 class PeerAddressFilter {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -53,8 +54,9 @@ class PeerAddressFilter {
     [[nodiscard]] Time last() const;  // sign of life
   };
 
-  std::map<GuidPrefix, Participant> participants_;
-  std::map<Locator, std::set<GuidPrefix>> announcers_;
+  mutable std::mutex mutex_;
+  std::map<GuidPrefix, Participant> participants_;      // guarded by mutex_
+  std::map<Locator, std::set<GuidPrefix>> announcers_;  // guarded by mutex_
 };
 
 }  // namespace fleetloc

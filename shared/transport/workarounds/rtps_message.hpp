@@ -3,6 +3,7 @@
 // Works around: nothing: parts of RTPS messages that the other files here read.
 // Delete when: those are deleted.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,13 @@ using GuidPrefix = std::array<std::uint8_t, 12>;
 
 inline constexpr std::size_t kRtpsHeaderBytes = 20;
 inline constexpr std::size_t kGuidPrefixAt = 8;  // in the header
+
+/// @param message  at least its header
+inline GuidPrefix sender_of(RtpsBytes message) {
+  GuidPrefix prefix{};
+  std::ranges::copy(message.subspan(kGuidPrefixAt, prefix.size()), prefix.begin());
+  return prefix;
+}
 
 enum class RtpsKind : std::uint8_t {
   kPad = 0x01,

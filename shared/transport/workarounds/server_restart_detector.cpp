@@ -1,7 +1,5 @@
 #include "shared/transport/workarounds/server_restart_detector.hpp"
 
-#include <algorithm>
-
 namespace fleetloc {
 namespace {
 
@@ -11,15 +9,17 @@ constexpr std::chrono::seconds kReordering{1};
 }  // namespace
 
 void ServerRestartDetector::watch(const std::set<GuidPrefix>& participants) {
+  const std::lock_guard lock(mutex_);
   participants_ = participants;
   latest_.clear();
+  is_watching_ = !participants.empty();
   has_restarted_ = false;
 }
 
 void ServerRestartDetector::observe(std::span<const std::uint8_t> datagram, Time now) {
-  if (participants_.empty()) return;
-  GuidPrefix from{};
-  std::ranges::copy(datagram.subspan(kGuidPrefixAt, from.size()), from.begin());
+  if (!is_watching_) return;
+  const GuidPrefix from = sender_of(datagram);
+  const std::lock_guard lock(mutex_);
   if (!participants_.contains(from)) return;
   RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
   while (const auto submessage = take_submessage(rest)) {
@@ -32,7 +32,7 @@ void ServerRestartDetector::observe(std::span<const std::uint8_t> datagram, Time
     const std::uint32_t count = fields.u32();
     Heartbeat& latest = latest_[{from, writer}];
     if (count < latest.count) {
-      has_restarted_ = has_restarted_ || now - latest.at > kReordering;
+      if (now - latest.at > kReordering) has_restarted_ = true;
     } else {
       latest = {.count = count, .at = now};
     }

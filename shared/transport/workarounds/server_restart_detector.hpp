@@ -4,9 +4,11 @@
 // restarted within its lease, and ignores the samples of the new one.
 // Delete when: a restarted server is recognized, e.g. by a GUID of its own for each start.
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <set>
 #include <span>
 #include <utility>
@@ -20,7 +22,7 @@ namespace fleetloc {
 /// lease: it takes the new one's samples for duplicates, up to the sequence number of the old one,
 /// and does not discover anybody who joins meanwhile.
 ///
-/// No clock, no I/O.
+/// No clock, no I/O. Any thread may use any function; without participants to watch none waits.
 class ServerRestartDetector {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -40,9 +42,12 @@ class ServerRestartDetector {
     Time at;
   };
 
-  std::set<GuidPrefix> participants_;
-  std::map<std::pair<GuidPrefix, std::uint32_t>, Heartbeat> latest_;  // by participant and writer
-  bool has_restarted_ = false;
+  std::atomic<bool> is_watching_ = false;
+  std::atomic<bool> has_restarted_ = false;
+  std::mutex mutex_;
+  std::set<GuidPrefix> participants_;                                 // guarded by mutex_
+  std::map<std::pair<GuidPrefix, std::uint32_t>, Heartbeat> latest_;  // by participant and writer;
+                                                                      // guarded by mutex_
 };
 
 }  // namespace fleetloc

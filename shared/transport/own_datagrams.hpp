@@ -1,0 +1,26 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+
+#include "shared/transport/workarounds/rtps_message.hpp"
+
+namespace fleetloc {
+
+/// Recognizes datagrams of a participant itself: a multicast comes back to its sender, though it
+/// never left the computer. Any thread may use any function.
+class OwnDatagrams {
+ public:
+  /// A datagram that the participant sends. The first tells its GUID prefix.
+  void sent(RtpsBytes datagram);
+
+  /// False until it has sent one.
+  [[nodiscard]] bool includes(RtpsBytes datagram) const;
+
+ private:
+  std::once_flag learned_;
+  std::atomic<bool> is_known_ = false;
+  GuidPrefix prefix_{};  // written once, before is_known_
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+
+#include "shared/transport/emulated_link.hpp"
+#include "shared/transport/traffic_counter.hpp"
+#include "shared/transport/workarounds/peer_address_filter.hpp"
+#include "shared/transport/workarounds/server_restart_detector.hpp"
+
+namespace fleetloc {
+
+/// What is known of a channel's datagrams for longer than one of its participants lives. Each
+/// member stands alone and may be used by any thread; wire_transport.hpp says in which order.
+struct WireLink {
+  WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
+    if (link) emulated.emplace(role, *link);
+  }
+
+  std::optional<EmulatedLink> emulated;
+  ServerRestartDetector servers;
+  PeerAddressFilter addresses;
+  TrafficCounter traffic;
+};
+
+}  // namespace fleetloc

@@ -1,0 +1,59 @@
+#include "shared/transport/own_datagrams.hpp"
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/transport/rtps_messages.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr GuidPrefix kOwn{1, 15, 1};
+constexpr GuidPrefix kOther{1, 15, 2};
+
+TEST(OwnDatagrams, AreThoseOfTheParticipantThatSends) {
+  OwnDatagrams own;
+  own.sent(message_of({heartbeat(1, 2)}, kOwn));
+  EXPECT_TRUE(own.includes(message_of({gap(1, 2)}, kOwn)));
+  EXPECT_FALSE(own.includes(message_of({heartbeat(1, 2)}, kOther)));
+}
+
+TEST(OwnDatagrams, AreNoneBeforeTheFirstIsSent) {
+  const OwnDatagrams own;
+  EXPECT_FALSE(own.includes(message_of({}, kOwn)));
+  EXPECT_FALSE(own.includes(message_of({}, GuidPrefix{})));
+}
+
+TEST(OwnDatagrams, AreNotLearnedFromAPartOfAHeader) {
+  OwnDatagrams own;
+  const Bytes whole = message_of({}, kOwn);
+  own.sent(RtpsBytes(whole).first(whole.size() - 1));
+  EXPECT_FALSE(own.includes(whole));
+  own.sent(whole);
+  EXPECT_TRUE(own.includes(whole));
+  EXPECT_FALSE(own.includes(RtpsBytes(whole).first(whole.size() - 1)));
+}
+
+TEST(OwnDatagrams, AreKnownInFullOrNotAtAllToOtherThreads) {
+  for (int round = 0; round < 100; ++round) {
+    OwnDatagrams own;
+    const Bytes message = message_of({}, kOwn);
+    const Bytes others = message_of({}, kOther);
+    std::atomic<bool> wrong = false;
+    {
+      std::vector<std::jthread> threads;
+      for (int i = 0; i < 2; ++i) threads.emplace_back([&] { own.sent(message); });
+      threads.emplace_back([&] {
+        while (!own.includes(message)) wrong = wrong || own.includes(others);
+      });
+    }
+    EXPECT_FALSE(wrong);
+    EXPECT_TRUE(own.includes(message));
+  }
+}
+
+}  // namespace
+}  // namespace fleetloc
