@@ -14,7 +14,7 @@
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
-#include "shared/transport/workarounds/network_addresses.hpp"
+#include "shared/transport/workarounds/route_cache.hpp"
 
 namespace fleetloc {
 
@@ -132,6 +132,7 @@ class Transport final : public fdr::ChainingTransport {
   Descriptor descriptor_;
   bool has_whitelist_;
   std::shared_ptr<WireLink> link_;
+  RouteCache routes_;
   OwnDatagrams own_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
@@ -153,7 +154,7 @@ fdr::LocatorList Transport::useful(rtps::LocatorsIterator& begin,
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (rtps::IPLocator::isMulticast(wanted[i]) ||
         (!link_->addresses.is_redundant(locators[i], locators, now) &&
-         has_route(locators[i].address))) {
+         routes_.has_route(locators[i].address, now))) {
       useful.push_back(wanted[i]);
     }
   }

@@ -14,7 +14,7 @@ using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterfac
 /// the link. Nothing if it is not UDP.
 ///
 /// A datagram that is sent:
-/// 1. to an address without a route, or where it would arrive twice: is left out (has_route,
+/// 1. to an address without a route, or where it would arrive twice: is left out (RouteCache,
 ///    PeerAddressFilter);
 /// 2. is counted, for each address that remains (TrafficCounter);
 /// 3. waits for its time on the emulated link, or is lost there (EmulatedLink, DelayLine);

@@ -1,5 +1,6 @@
 // A localizer's computer is often in several networks, of which a robot reaches one.
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/transport/workarounds/network_addresses.hpp"
+#include "shared/transport/workarounds/route_cache.hpp"
 #include "test/system/network_namespace.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
@@ -46,6 +48,22 @@ TEST_F(ReachableAddress, HasARoute) {
   EXPECT_TRUE(has_route(0x0a4d0002));   // 10.77.0.2
   EXPECT_TRUE(has_route(0x7f000001));   // 127.0.0.1
   EXPECT_FALSE(has_route(0x0a4e0002));  // 10.78.0.2
+}
+
+TEST_F(ReachableAddress, IsRememberedUntilItsRouteChangesForASecond) {
+  constexpr std::uint32_t kFar = 0x0a4e0002;  // 10.78.0.2
+  robots_->ip("route delete default");
+  const auto inside = robots_->enter();
+  RouteCache routes;
+  RouteCache::Clock::time_point now{};
+  EXPECT_FALSE(routes.has_route(kFar, now));
+  robots_->ip("route add 10.78.0.0/24 dev eth0");
+  now += std::chrono::seconds(1);
+  EXPECT_TRUE(routes.has_route(kFar, now));
+  robots_->ip("route delete 10.78.0.0/24");
+  EXPECT_TRUE(routes.has_route(kFar, now)) << "not asked again so soon";
+  now += std::chrono::seconds(1);
+  EXPECT_FALSE(routes.has_route(kFar, now));
 }
 
 TEST_F(ReachableAddress, OfAParticipantThatIsHeardIsUsedAlone) {

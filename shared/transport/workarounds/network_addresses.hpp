@@ -26,7 +26,7 @@ using InterfaceAddresses = std::set<InterfaceAddress>;
 /// Those of the interfaces that are up: without loopback, or, if any are named, those named.
 InterfaceAddresses interface_addresses(const std::vector<std::string>& named);
 
-/// Whether the kernel has a route to an IPv4 address.
+/// Whether the kernel has a route to an IPv4 address; three system calls. See RouteCache.
 /// @param address  its first byte the highest
 bool has_route(std::uint32_t address);
 
