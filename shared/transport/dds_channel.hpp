@@ -22,7 +22,7 @@ namespace fleetloc {
 
 /// Losses of a DdsChannel, and recreations of its participant.
 struct ChannelDiagnostics {
-  std::uint64_t undecodable = 0;  ///< samples that cannot be decoded
+  std::uint64_t undecodable = 0;  ///< samples without a key that can be read
   std::uint64_t overflowed = 0;   ///< messages dropped because the inbox was full
   std::uint64_t refused = 0;      ///< samples rejected by the QoS limits of the writer
   std::uint64_t unsent = 0;       ///< messages for which there was no participant

@@ -5,7 +5,7 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/bytes_type.hpp"
+#include "shared/transport/instance_key.hpp"
 
 namespace fleetloc {
 

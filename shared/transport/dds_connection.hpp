@@ -32,7 +32,7 @@ using Destination = std::pair<Topic, std::string>;
 /// readers of its end and the writers used so far. One thread at a time.
 class DdsConnection {
  public:
-  /// Called on a thread of the connection; with nothing for a sample that cannot be decoded.
+  /// Called on a thread of the connection; with nothing for a sample without a readable key.
   using Deliver = std::function<void(std::optional<Message>)>;
 
   /// Throws TransportError.

@@ -17,17 +17,11 @@ namespace {
 template <typename PubSubType>
 TopicSpec spec(const std::string& name) {
   TopicSpec spec{.name = "fleetloc/" + name, .qos_profile = name, .type = {}};
-  spec.type.reset(new BytesType<PubSubType>());
+  spec.type.reset(new BytesType(PubSubType()));
   return spec;
 }
 
 }  // namespace
-
-eprosima::fastrtps::rtps::InstanceHandle_t undecodable_instance() {
-  eprosima::fastrtps::rtps::InstanceHandle_t handle;
-  for (eprosima::fastrtps::rtps::octet i = 0; i < 16; ++i) handle.value[i] = 0xff;
-  return handle;
-}
 
 TopicSpec topic_spec(Topic topic) {
   switch (topic) {
