@@ -37,7 +37,7 @@ DdsChannel::DdsChannel(const Config& config)
 
 std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& options) {
   return std::make_unique<DdsConnection>(
-      config_, wire_, options, [this](std::optional<Message> message) {
+      config_, wire_, options, [this](expected<Message, KeyDefect> message) {
         deliver(std::move(message));
       });
 }
@@ -104,7 +104,7 @@ int DdsChannel::matched_readers(Topic topic, const std::string& partition) {
 ChannelDiagnostics DdsChannel::diagnostics() const {
   const std::lock_guard lock(mutex_);
   ChannelDiagnostics result = diagnostics_;
-  result.malformed = wire_->traffic.traffic().malformed_datagrams;
+  result.malformed = wire_->traffic.malformed_datagrams();
   return result;
 }
 
@@ -118,10 +118,10 @@ void DdsChannel::note(std::string event) {
   if (events_.size() < kMaxEvents) events_.push_back(std::move(event));
 }
 
-void DdsChannel::deliver(std::optional<Message> message) {
+void DdsChannel::deliver(expected<Message, KeyDefect> message) {
   const std::lock_guard lock(mutex_);
   if (!message) {
-    ++diagnostics_.undecodable;
+    ++diagnostics_.undecodable[std::string(name(message.error()))];
     return;
   }
   ++statistics_.received_messages;

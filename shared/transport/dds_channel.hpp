@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -22,12 +21,14 @@ namespace fleetloc {
 
 /// Losses of a DdsChannel, and recreations of its participant.
 struct ChannelDiagnostics {
-  std::uint64_t undecodable = 0;  ///< samples without a key that can be read
+  /// Samples without a key that can be read, by KeyDefect.
+  std::map<std::string, std::uint64_t> undecodable;
   std::uint64_t overflowed = 0;   ///< messages dropped because the inbox was full
   std::uint64_t refused = 0;      ///< samples rejected by the QoS limits of the writer
   std::uint64_t unsent = 0;       ///< messages for which there was no participant
   std::uint64_t recreations = 0;  ///< participants created after the first
-  std::uint64_t malformed = 0;    ///< datagrams that are not RTPS
+  /// Datagrams that are not RTPS, by RtpsDefect.
+  std::map<std::string, std::uint64_t> malformed;
 };
 
 /// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics, partitions
@@ -70,7 +71,7 @@ class DdsChannel final : public Channel {
 
  private:
   std::unique_ptr<DdsConnection> connect(const ParticipantOptions& options);
-  void deliver(std::optional<Message> message);
+  void deliver(expected<Message, KeyDefect> message);
   void watch(const std::stop_token& stop);
   bool recreate(const std::string& reason, ParticipantOptions& options);
   void note(std::string event);

@@ -5,7 +5,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/instance_key.hpp"
 
 namespace fleetloc {
 
@@ -70,10 +69,10 @@ bool DdsConnection::take(dds::DataReader& reader) {
   dds::SampleInfo info;
   if (reader.take_next_sample(&message.payload, &info) != ReturnCode_t::RETCODE_OK) return false;
   if (!info.valid_data) return true;
-  if (info.instance_handle == undecodable_instance()) {
-    deliver_(std::nullopt);
-  } else {
+  if (const auto key = key_of(message.payload)) {
     deliver_(std::move(message));
+  } else {
+    deliver_(unexpected(key.error()));
   }
   return true;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "shared/link/channel.hpp"
+#include "shared/transport/instance_key.hpp"
 #include "shared/transport/participant.hpp"
 #include "shared/transport/reader_thread.hpp"
 #include "shared/transport/wire_transport.hpp"
@@ -32,8 +33,8 @@ using Destination = std::pair<Topic, std::string>;
 /// readers of its end and the writers used so far. One thread at a time.
 class DdsConnection {
  public:
-  /// Called on a thread of the connection; with nothing for a sample without a readable key.
-  using Deliver = std::function<void(std::optional<Message>)>;
+  /// Called on a thread of the connection with each sample, or what is wrong with it.
+  using Deliver = std::function<void(expected<Message, KeyDefect>)>;
 
   /// Throws TransportError.
   DdsConnection(const DdsChannelConfig& end,

@@ -1,7 +1,12 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <map>
+#include <string>
+
+#include "shared/transport/workarounds/datagram_check.hpp"
 
 namespace fleetloc {
 
@@ -11,7 +16,6 @@ struct WireTraffic {
   std::uint64_t received_bytes = 0;  ///< behind it
   std::uint64_t sent_datagrams = 0;
   std::uint64_t received_datagrams = 0;
-  std::uint64_t malformed_datagrams = 0;  ///< not RTPS: dropped, and in none of the above
 };
 
 /// Counts datagrams. Any thread may use any function.
@@ -21,10 +25,13 @@ class TrafficCounter {
   /// @param copies  of it, each to another address
   void sent(std::uint32_t bytes, std::uint64_t copies);
   void received(std::uint32_t bytes);
-  void malformed();
+  /// One that is dropped, and in none of the above.
+  void malformed(RtpsDefect defect);
 
   /// Each number for itself is exact; together they may be from different moments.
   [[nodiscard]] WireTraffic traffic() const;
+  /// By the name of their defect.
+  [[nodiscard]] std::map<std::string, std::uint64_t> malformed_datagrams() const;
 
  private:
   // On a cache line of its own: the threads that receive do not wait for those that send.
@@ -36,7 +43,7 @@ class TrafficCounter {
   };
 
   Direction sent_, received_;
-  std::atomic<std::uint64_t> malformed_ = 0;
+  std::array<std::atomic<std::uint64_t>, kRtpsDefects> malformed_{};  // by defect
 };
 
 }  // namespace fleetloc

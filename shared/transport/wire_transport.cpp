@@ -215,7 +215,8 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
                         const rtps::Locator_t& local,
                         const rtps::Locator_t& remote) {
   const RtpsBytes datagram(buffer, size);
-  if (!is_well_formed_rtps(datagram)) return link_->traffic.malformed();
+  const auto checked = check_rtps(datagram);
+  if (!checked) return link_->traffic.malformed(checked.error());
   if (own_.includes(datagram)) return receiver->OnDataReceived(buffer, size, local, remote);
   if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
   const auto due = link_->emulated->incoming_at(size, Clock::now());

@@ -155,7 +155,8 @@ bool is_statistics(std::uint8_t flags, std::size_t length) {
   return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
 }
 
-bool is_valid(const RtpsSubmessage& submessage) {
+// Nothing for a submessage of an unknown kind.
+std::optional<bool> is_valid(const RtpsSubmessage& submessage) {
   const auto& [kind, flags, body] = submessage;
   const Fields fields = submessage.fields();
   switch (kind) {
@@ -184,22 +185,45 @@ bool is_valid(const RtpsSubmessage& submessage) {
     case RtpsKind::kStatistics:
       return is_statistics(flags, body.size());
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace
 
-bool is_well_formed_rtps(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() < kRtpsHeaderBytes) return false;
-  if (!std::ranges::equal(datagram.first(4), kMagic)) return false;
-  if (datagram[4] != kMajorVersion) return false;
+std::string_view name(RtpsDefect defect) {
+  switch (defect) {
+    case RtpsDefect::kNotRtps:
+      return "not_rtps";
+    case RtpsDefect::kVersion:
+      return "version";
+    case RtpsDefect::kCutShort:
+      return "cut_short";
+    case RtpsDefect::kUnknownSubmessage:
+      return "unknown_submessage";
+    case RtpsDefect::kInvalidSubmessage:
+      return "invalid_submessage";
+    case RtpsDefect::kStatistics:
+      return "statistics";
+  }
+  return "";
+}
+
+expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram) {
+  const bool has_header =
+      datagram.size() >= kRtpsHeaderBytes && std::ranges::equal(datagram.first(4), kMagic);
+  if (!has_header) return unexpected(RtpsDefect::kNotRtps);
+  if (datagram[4] != kMajorVersion) return unexpected(RtpsDefect::kVersion);
   Bytes rest = datagram.subspan(kRtpsHeaderBytes);
   while (!rest.empty()) {
     const auto submessage = take_submessage(rest);
-    if (!submessage || !is_valid(*submessage)) return false;
-    if (submessage->kind == RtpsKind::kStatistics && !rest.empty()) return false;
+    if (!submessage) return unexpected(RtpsDefect::kCutShort);
+    const std::optional<bool> valid = is_valid(*submessage);
+    if (!valid) return unexpected(RtpsDefect::kUnknownSubmessage);
+    const bool is_statistics = submessage->kind == RtpsKind::kStatistics;
+    if (is_statistics && (!*valid || !rest.empty())) return unexpected(RtpsDefect::kStatistics);
+    if (!*valid) return unexpected(RtpsDefect::kInvalidSubmessage);
   }
-  return true;
+  return {};
 }
 
 }  // namespace fleetloc

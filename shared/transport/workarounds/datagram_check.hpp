@@ -4,17 +4,33 @@
 // the process by an assertion or an exception that nobody catches.
 // Delete when: fuzzing test/transport/corruption_test.cpp without this check finds nothing.
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
+
+#include "shared/core/expected.hpp"
 
 namespace fleetloc {
 
-/// Whether a datagram conforms to the grammar of RTPS (OMG, DDS Interoperability Wire Protocol 2.2,
-/// chapter 9.4): header, submessages within their lengths, sets, inline QoS and the parameter lists
-/// of discovery. Fast DDS trusts what it is sent in places, and one malformed datagram would end
-/// the program: pass it only datagrams that are well formed. Of vendors' submessages only the one
-/// that Fast DDS puts behind each of its messages (statistics) is taken; the library asserts its
-/// size and place.
-bool is_well_formed_rtps(std::span<const std::uint8_t> datagram);
+/// Why a datagram is not well-formed RTPS.
+enum class RtpsDefect : std::uint8_t {
+  kNotRtps,            ///< no header of RTPS
+  kVersion,            ///< another major version
+  kCutShort,           ///< within a submessage
+  kUnknownSubmessage,  ///< of a kind that neither the standard nor Fast DDS has
+  kInvalidSubmessage,  ///< its fields contradict each other, or its length
+  kStatistics          ///< those of Fast DDS where it does not put them
+};
+inline constexpr std::size_t kRtpsDefects = 6;
+std::string_view name(RtpsDefect defect);
+
+/// Checks that a datagram conforms to the grammar of RTPS (OMG, DDS Interoperability Wire
+/// Protocol 2.2, chapter 9.4): header, submessages within their lengths, sets, inline QoS and the
+/// parameter lists of discovery. Fast DDS trusts what it is sent in places, and one malformed
+/// datagram would end the program: pass it only datagrams that are well formed. Of vendors'
+/// submessages only the one that Fast DDS puts behind each of its messages (statistics) is taken;
+/// the library asserts its size and place.
+expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram);
 
 }  // namespace fleetloc

@@ -1,6 +1,7 @@
 #include "shared/transport/workarounds/datagram_check.hpp"
 
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,13 +11,18 @@
 namespace fleetloc {
 namespace {
 
+std::string_view defect_of(const Bytes& datagram) {
+  const auto checked = check_rtps(datagram);
+  return checked ? "" : name(checked.error());
+}
+
 TEST(RtpsCheck, TakesEveryKindOfSubmessage) {
   for (const auto& [name, submessage] : valid_submessages()) {
-    EXPECT_TRUE(is_well_formed_rtps(message_of({submessage}))) << name;
+    EXPECT_TRUE(check_rtps(message_of({submessage}))) << name;
   }
   const Bytes statistics = submessage(0x80, 1, Bytes(56));
-  EXPECT_TRUE(is_well_formed_rtps(message_of({heartbeat(1, 2), data_frag(1, 3000), statistics})));
-  EXPECT_TRUE(is_well_formed_rtps(message_of({})));
+  EXPECT_TRUE(check_rtps(message_of({heartbeat(1, 2), data_frag(1, 3000), statistics})));
+  EXPECT_TRUE(check_rtps(message_of({})));
 }
 
 TEST(RtpsCheck, RefusesWhatIsCutOffAnywhere) {
@@ -24,63 +30,69 @@ TEST(RtpsCheck, RefusesWhatIsCutOffAnywhere) {
     const Bytes whole = message_of({submessage});
     for (std::size_t size = 0; size < whole.size(); ++size) {
       if (size == message_of({}).size()) continue;  // nothing but the header
-      EXPECT_FALSE(is_well_formed_rtps({whole.data(), size})) << name << " of " << size << " bytes";
+      EXPECT_FALSE(check_rtps({whole.data(), size})) << name << " of " << size << " bytes";
     }
   }
+}
+
+TEST(RtpsCheck, NamesWhereADatagramIsCutOff) {
+  const Bytes whole = message_of({heartbeat(1, 2)});
+  EXPECT_EQ(defect_of({whole.begin(), whole.begin() + 19}), "not_rtps") << "in its header";
+  EXPECT_EQ(defect_of({whole.begin(), whole.end() - 1}), "cut_short");
 }
 
 TEST(RtpsCheck, RefusesAnotherProtocolAndAnotherMajorVersion) {
   Bytes message = message_of({});
   message[0] = 'X';
-  EXPECT_FALSE(is_well_formed_rtps(message));
+  EXPECT_EQ(defect_of(message), "not_rtps");
   message = message_of({});
   message[4] = 3;
-  EXPECT_FALSE(is_well_formed_rtps(message));
+  EXPECT_EQ(defect_of(message), "version");
 }
 
 TEST(RtpsCheck, TakesStatisticsOnlyWhereFastDdsPutsThem) {
   const Bytes statistics = submessage(0x80, 1, Bytes(56));
-  EXPECT_TRUE(is_well_formed_rtps(message_of({heartbeat(1, 2), statistics})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({statistics, heartbeat(1, 2)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({submessage(0x80, 1, Bytes(52))})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({submessage(0x81, 1, Bytes(56))})));
+  EXPECT_TRUE(check_rtps(message_of({heartbeat(1, 2), statistics})));
+  EXPECT_EQ(defect_of(message_of({statistics, heartbeat(1, 2)})), "statistics");
+  EXPECT_EQ(defect_of(message_of({submessage(0x80, 1, Bytes(52))})), "statistics");
+  EXPECT_EQ(defect_of(message_of({submessage(0x81, 1, Bytes(56))})), "unknown_submessage");
 }
 
 TEST(RtpsCheck, RefusesASetOfMoreThan256Numbers) {
-  EXPECT_TRUE(is_well_formed_rtps(message_of({ack_nack(256)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({ack_nack(257)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({ack_nack(0xffffffff)})));
+  EXPECT_TRUE(check_rtps(message_of({ack_nack(256)})));
+  EXPECT_EQ(defect_of(message_of({ack_nack(257)})), "invalid_submessage");
+  EXPECT_FALSE(check_rtps(message_of({ack_nack(0xffffffff)})));
 }
 
 TEST(RtpsCheck, RefusesAHeartbeatThatEndsBeforeItBegins) {
-  EXPECT_TRUE(is_well_formed_rtps(message_of({heartbeat(3, 2)})));  // an empty history
-  EXPECT_FALSE(is_well_formed_rtps(message_of({heartbeat(3, 1)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({heartbeat(0, 5)})));
+  EXPECT_TRUE(check_rtps(message_of({heartbeat(3, 2)})));  // an empty history
+  EXPECT_FALSE(check_rtps(message_of({heartbeat(3, 1)})));
+  EXPECT_FALSE(check_rtps(message_of({heartbeat(0, 5)})));
 }
 
 TEST(RtpsCheck, RefusesRangesThatWouldTakeForeverToWalkThrough) {
   constexpr std::uint64_t kFar = std::uint64_t{1} << 40U;
-  EXPECT_TRUE(is_well_formed_rtps(message_of({heartbeat(kFar, kFar + 10)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({heartbeat(1, kFar)})));
-  EXPECT_TRUE(is_well_formed_rtps(message_of({gap(kFar, kFar + 10)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({gap(1, kFar)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({gap(5, 4)})));
+  EXPECT_TRUE(check_rtps(message_of({heartbeat(kFar, kFar + 10)})));
+  EXPECT_FALSE(check_rtps(message_of({heartbeat(1, kFar)})));
+  EXPECT_TRUE(check_rtps(message_of({gap(kFar, kFar + 10)})));
+  EXPECT_FALSE(check_rtps(message_of({gap(1, kFar)})));
+  EXPECT_FALSE(check_rtps(message_of({gap(5, 4)})));
 }
 
 TEST(RtpsCheck, RefusesFragmentsBeyondTheSample) {
-  EXPECT_TRUE(is_well_formed_rtps(message_of({data_frag(1, 3000)})));
-  EXPECT_TRUE(is_well_formed_rtps(message_of({data_frag(3, 3000)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({data_frag(4, 3000)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({data_frag(0, 3000)})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({data_frag(1, 0x7fffffff)})));
+  EXPECT_TRUE(check_rtps(message_of({data_frag(1, 3000)})));
+  EXPECT_TRUE(check_rtps(message_of({data_frag(3, 3000)})));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(4, 3000)})));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(0, 3000)})));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(1, 0x7fffffff)})));
 }
 
 TEST(RtpsCheck, RefusesParametersThatRunOverTheEnd) {
-  EXPECT_TRUE(is_well_formed_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 16}})})));
-  EXPECT_FALSE(is_well_formed_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 18}})})));
+  EXPECT_TRUE(check_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 16}})})));
+  EXPECT_FALSE(check_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 18}})})));
   Bytes endless = announcement({{0x0015, 4}});
   endless[endless.size() - 4] = 0x15;  // in place of the sentinel
-  EXPECT_FALSE(is_well_formed_rtps(message_of({endless})));
+  EXPECT_FALSE(check_rtps(message_of({endless})));
 }
 
 TEST(RtpsCheck, ReadsNoByteBeyondTheDatagram) {  // under AddressSanitizer
@@ -89,7 +101,7 @@ TEST(RtpsCheck, ReadsNoByteBeyondTheDatagram) {  // under AddressSanitizer
   for (int trial = 0; trial < 20'000; ++trial) {
     Bytes message = random_message(random);
     message.shrink_to_fit();
-    if (is_well_formed_rtps(message)) ++taken;
+    if (check_rtps(message)) ++taken;
   }
   EXPECT_GT(taken, 1000);
   EXPECT_LT(taken, 19'000);

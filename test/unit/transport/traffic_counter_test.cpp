@@ -3,10 +3,15 @@
 #include <thread>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace fleetloc {
 namespace {
+
+using testing::IsEmpty;
+using testing::Pair;
+using testing::UnorderedElementsAre;
 
 constexpr std::uint64_t kHeaders = 28;  // of IPv4 and UDP
 
@@ -29,12 +34,15 @@ TEST(TrafficCounter, CountsADatagramForEachAddressThatItIsSentTo) {
   EXPECT_EQ(traffic.received_datagrams, 0);
 }
 
-TEST(TrafficCounter, CountsWhatIsMalformedApart) {
+TEST(TrafficCounter, CountsWhatIsMalformedApartAndByItsDefect) {
   TrafficCounter counter;
-  counter.malformed();
-  const WireTraffic traffic = counter.traffic();
-  EXPECT_EQ(traffic.malformed_datagrams, 1);
-  EXPECT_EQ(traffic.received_datagrams, 0);
+  EXPECT_THAT(counter.malformed_datagrams(), IsEmpty());
+  counter.malformed(RtpsDefect::kVersion);
+  counter.malformed(RtpsDefect::kStatistics);
+  counter.malformed(RtpsDefect::kStatistics);
+  EXPECT_THAT(counter.malformed_datagrams(),
+              UnorderedElementsAre(Pair("version", 1), Pair("statistics", 2)));
+  EXPECT_EQ(counter.traffic().received_datagrams, 0);
 }
 
 TEST(TrafficCounter, LosesNothingToOtherThreads) {
