@@ -7,7 +7,6 @@
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 
 #include "shared/core/ids.hpp"
-#include "shared/transport/workarounds/participant_recreation_policy.hpp"
 
 namespace fleetloc {
 
@@ -71,7 +70,7 @@ std::vector<Message> DdsChannel::receive(Timestamp /*now*/) {
 }
 
 ChannelStatistics DdsChannel::statistics() const {
-  const WireTraffic traffic = wire_->traffic.traffic();
+  const WireTraffic traffic = wire_->traffic.total();
   const std::lock_guard lock(mutex_);
   ChannelStatistics statistics = statistics_;
   statistics.sent_wire_bytes = traffic.sent_bytes;
@@ -145,12 +144,7 @@ void DdsChannel::watch(const std::stop_token& stop) {
   policy.made({.addresses = first.bound_addresses(), .peers = first.peers()}, Clock::now());
   bool was_cut_off = false;
   while (!stop.stop_requested()) {
-    const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
-    policy.lost(lost, Clock::now());
-    policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
-    if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
-    if (wire_->servers.has_restarted()) policy.server_restarted();
-    if (policy.wants_lookup(Clock::now())) lookup_.start();
+    wait_and_look(policy, whitelist, stop);
     if (policy.is_cut_off() && !was_cut_off) note("the network is gone");
     was_cut_off = policy.is_cut_off();
     const auto reason = policy.due(Clock::now());
@@ -163,6 +157,18 @@ void DdsChannel::watch(const std::stop_token& stop) {
       policy.failed(Clock::now());
     }
   }
+}
+
+void DdsChannel::wait_and_look(ParticipantRecreationPolicy& policy,
+                               const std::vector<std::string>& whitelist,
+                               const std::stop_token& stop) {
+  using Clock = ParticipantRecreationPolicy::Clock;
+  const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
+  policy.lost(lost, Clock::now());
+  policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
+  if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
+  if (wire_->servers.has_restarted()) policy.server_restarted();
+  if (policy.wants_lookup(Clock::now())) lookup_.start();
 }
 
 // The old one is deleted first: the new one needs its ports.
@@ -193,8 +199,9 @@ bool DdsChannel::recreate(const std::string& reason, ParticipantOptions& options
     for (const Destination& destination : destinations) {
       if (!destinations_.contains(destination)) fresh->release(destination.second);
     }
-    for (auto& [destination, message] : last_reliable_)
+    for (auto& [destination, message] : last_reliable_) {
       fresh->writer(destination).write(&message.payload);
+    }
     connection_ = std::move(fresh);
   }
   const std::lock_guard lock(mutex_);

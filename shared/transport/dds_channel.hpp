@@ -15,6 +15,7 @@
 #include "shared/link/channel.hpp"
 #include "shared/transport/dds_connection.hpp"
 #include "shared/transport/workarounds/network_addresses.hpp"
+#include "shared/transport/workarounds/participant_recreation_policy.hpp"
 #include "shared/transport/workarounds/peer_lookup.hpp"
 
 namespace fleetloc {
@@ -73,6 +74,9 @@ class DdsChannel final : public Channel {
   std::unique_ptr<DdsConnection> connect(const ParticipantOptions& options);
   void deliver(expected<Message, KeyDefect> message);
   void watch(const std::stop_token& stop);
+  void wait_and_look(ParticipantRecreationPolicy& policy,
+                     const std::vector<std::string>& whitelist,
+                     const std::stop_token& stop);
   bool recreate(const std::string& reason, ParticipantOptions& options);
   void note(std::string event);
 

@@ -24,7 +24,7 @@ void TrafficCounter::malformed(RtpsDefect defect) {
   malformed_.at(static_cast<std::size_t>(defect)).fetch_add(1, kRelaxed);
 }
 
-WireTraffic TrafficCounter::traffic() const {
+WireTraffic TrafficCounter::total() const {
   return {.sent_bytes = sent_.bytes.load(kRelaxed),
           .received_bytes = received_.bytes.load(kRelaxed),
           .sent_datagrams = sent_.datagrams.load(kRelaxed),

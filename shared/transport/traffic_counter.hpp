@@ -29,7 +29,7 @@ class TrafficCounter {
   void malformed(RtpsDefect defect);
 
   /// Each number for itself is exact; together they may be from different moments.
-  [[nodiscard]] WireTraffic traffic() const;
+  [[nodiscard]] WireTraffic total() const;
   /// By the name of their defect.
   [[nodiscard]] std::map<std::string, std::uint64_t> malformed_datagrams() const;
 

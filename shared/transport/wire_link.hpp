@@ -10,7 +10,7 @@
 namespace fleetloc {
 
 /// What is known of a channel's datagrams for longer than one of its participants lives. Each
-/// member stands alone and may be used by any thread; wire_transport.hpp says in which order.
+/// member stands alone, and any thread may use it; wire_transport.cpp has their order.
 struct WireLink {
   WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
     if (link) emulated.emplace(role, *link);

@@ -62,9 +62,9 @@ class NoSocket final : public rtps::SenderResource {
 class NoReceiver final : public fdr::TransportReceiverInterface {
  public:
   void OnDataReceived(const rtps::octet* bytes,
-                      std::uint32_t,
-                      const rtps::Locator_t&,
-                      const rtps::Locator_t&) override {
+                      std::uint32_t /*size*/,
+                      const rtps::Locator_t& /*local*/,
+                      const rtps::Locator_t& /*remote*/) override {
     benchmark::DoNotOptimize(bytes);
   }
 };

@@ -30,7 +30,7 @@ class PeerAddressFilter {
   struct Locator {
     std::uint32_t address = 0;
     std::uint32_t port = 0;
-    auto operator<=>(const Locator&) const = default;
+    auto operator<=>(const Locator&) const = default;  // NOLINT(modernize-use-nullptr)
   };
 
   /// A participant announces a locator.

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <thread>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -44,9 +43,10 @@ TEST(OwnDatagrams, AreKnownInFullOrNotAtAllToOtherThreads) {
     const Bytes others = message_of({}, kOther);
     std::atomic<bool> wrong = false;
     {
-      std::vector<std::jthread> threads;
-      for (int i = 0; i < 2; ++i) threads.emplace_back([&] { own.sent(message); });
-      threads.emplace_back([&] {
+      const auto send = [&] { own.sent(message); };
+      const std::jthread first(send);
+      const std::jthread second(send);
+      const std::jthread receiver([&] {
         while (!own.includes(message)) wrong = wrong || own.includes(others);
       });
     }

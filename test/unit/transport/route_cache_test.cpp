@@ -58,6 +58,7 @@ TEST_F(RouteCacheTest, StaysSmallWhateverIsAnnounced) {
 TEST(RouteCache, AnswersManyThreadsAlike) {
   RouteCache routes([](std::uint32_t address) { return address % 2 == 0; });
   std::vector<std::jthread> threads;
+  threads.reserve(4);
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {
       RouteCache::Clock::time_point now{seconds(1000)};

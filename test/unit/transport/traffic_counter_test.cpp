@@ -18,7 +18,7 @@ constexpr std::uint64_t kHeaders = 28;  // of IPv4 and UDP
 TEST(TrafficCounter, CountsTheHeadersOfIpAndUdp) {
   TrafficCounter counter;
   counter.received(100);
-  const WireTraffic traffic = counter.traffic();
+  const WireTraffic traffic = counter.total();
   EXPECT_EQ(traffic.received_datagrams, 1);
   EXPECT_EQ(traffic.received_bytes, 100 + kHeaders);
   EXPECT_EQ(traffic.sent_datagrams, 0);
@@ -28,7 +28,7 @@ TEST(TrafficCounter, CountsADatagramForEachAddressThatItIsSentTo) {
   TrafficCounter counter;
   counter.sent(100, 3);
   counter.sent(50, 0);
-  const WireTraffic traffic = counter.traffic();
+  const WireTraffic traffic = counter.total();
   EXPECT_EQ(traffic.sent_datagrams, 3);
   EXPECT_EQ(traffic.sent_bytes, 3 * (100 + kHeaders));
   EXPECT_EQ(traffic.received_datagrams, 0);
@@ -42,7 +42,7 @@ TEST(TrafficCounter, CountsWhatIsMalformedApartAndByItsDefect) {
   counter.malformed(RtpsDefect::kStatistics);
   EXPECT_THAT(counter.malformed_datagrams(),
               UnorderedElementsAre(Pair("version", 1), Pair("statistics", 2)));
-  EXPECT_EQ(counter.traffic().received_datagrams, 0);
+  EXPECT_EQ(counter.total().received_datagrams, 0);
 }
 
 TEST(TrafficCounter, LosesNothingToOtherThreads) {
@@ -60,7 +60,7 @@ TEST(TrafficCounter, LosesNothingToOtherThreads) {
       });
     }
   }
-  const WireTraffic traffic = counter.traffic();
+  const WireTraffic traffic = counter.total();
   EXPECT_EQ(traffic.sent_datagrams, 2 * kThreads * kEach);
   EXPECT_EQ(traffic.sent_bytes, 2 * kThreads * kEach * (10 + kHeaders));
   EXPECT_EQ(traffic.received_datagrams, kThreads * kEach);
