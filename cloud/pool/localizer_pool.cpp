@@ -42,11 +42,11 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
 // Announcements to other localizers are received, too: that robot has left this one.
 void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
   auto decoded = decode_robot_session(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    ++unattributed_[std::string(name(*reason))];
+  if (!decoded) {
+    ++unattributed_[std::string(name(decoded.error()))];
     return;
   }
-  auto& session = std::get<RobotSession>(decoded);
+  auto& session = *decoded;
   const SessionVerdict verdict = register_.announced(session, now);
   if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
     return refuse_superseded(session.robot, verdict, now);
@@ -99,11 +99,11 @@ void LocalizerPool::adopt_newer_start(Robot& robot, RobotSession session) {
 
 void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
   auto decoded = decode_submap(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    ++unattributed_[std::string(name(*reason))];
+  if (!decoded) {
+    ++unattributed_[std::string(name(decoded.error()))];
     return;
   }
-  auto& submap = std::get<Submap>(decoded);
+  auto& submap = *decoded;
   const SessionVerdict verdict = register_.submap(submap.robot, submap.session, now);
   if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
     return refuse_superseded(submap.robot, verdict, now);
@@ -138,11 +138,11 @@ void LocalizerPool::pop_waiting(Robot& robot) {
 
 void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
   const auto decoded = decode_robot_status(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    ++unattributed_[std::string(name(*reason))];
+  if (!decoded) {
+    ++unattributed_[std::string(name(decoded.error()))];
     return;
   }
-  const auto& status = std::get<RobotStatus>(decoded);
+  const auto& status = *decoded;
   const SessionVerdict verdict = register_.status(status, now);
   const auto found = robots_.find(status.robot);
   if (verdict == SessionVerdict::kCurrent && found != robots_.end()) {

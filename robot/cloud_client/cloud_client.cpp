@@ -78,8 +78,8 @@ void CloudClient::note_applied() {
 
 void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localizer_status(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
-  const auto& status = std::get<LocalizerStatus>(decoded);
+  if (!decoded) return refuse(name(decoded.error()));
+  const auto& status = *decoded;
   const auto reason = selector_.update(status, now);
   if (!reason) return;
   if (*reason == "conflicting_localizer" && !statistics_.refused.contains(std::string(*reason))) {
@@ -90,8 +90,8 @@ void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
 
 void CloudClient::receive_correction(const Bytes& payload) {
   auto decoded = decode_correction(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return refuse(name(*reason));
-  auto& correction = std::get<Correction>(decoded);
+  if (!decoded) return refuse(name(decoded.error()));
+  auto& correction = *decoded;
   if (correction.robot != robot_ || !session_ || correction.session != session_->session) {
     return refuse("correction_of_other_session");
   }
@@ -107,11 +107,11 @@ void CloudClient::receive_correction(const Bytes& payload) {
 
 std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localization_result(payload);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) {
-    refuse(name(*reason));
+  if (!decoded) {
+    refuse(name(decoded.error()));
     return std::nullopt;
   }
-  auto& answer = std::get<LocalizationResult>(decoded);
+  auto& answer = *decoded;
   if (const auto reason = rejection_reason(answer)) {
     refuse(*reason);
     check_for_duplicate_id(answer, now);

@@ -45,16 +45,28 @@ Decoded<T> from_cdr(std::span<const std::uint8_t> bytes, int ids) {
     for (int i = 0; i < ids; ++i) {
       std::string id;
       cdr >> id;
-      if (!is_valid_id(id)) return Malformed::kInvalidId;
+      if (!is_valid_id(id)) return unexpected(Malformed::kInvalidId);
     }
     cdr.setState(start);
     T sample;
     sample.deserialize(cdr);
-    if (bytes.size() - cdr.getSerializedDataLength() > kMaxPadding) return Malformed::kUndecodable;
+    if (bytes.size() - cdr.getSerializedDataLength() > kMaxPadding)
+      return unexpected(Malformed::kUndecodable);
     return sample;
   } catch (const std::exception&) {  // fastcdr's, and lack of memory
-    return Malformed::kUndecodable;
+    return unexpected(Malformed::kUndecodable);
   }
+}
+
+/// A sample whose ids are valid and that passes `check`.
+template <typename T>
+Decoded<T> valid_from_cdr(std::span<const std::uint8_t> bytes,
+                          int ids,
+                          Validity (*check)(const T&)) {
+  Decoded<T> sample = from_cdr<T>(bytes, ids);
+  if (!sample) return sample;
+  if (const Validity valid = check(*sample); !valid) return unexpected(valid.error());
+  return sample;
 }
 
 }  // namespace fleetloc

@@ -30,7 +30,7 @@ struct CompactRoot {
   static CompactRoot of(const Eigen::Matrix<double, N, N>& matrix);
 
   [[nodiscard]] Eigen::Matrix<double, N, N> squared() const;
-  [[nodiscard]] Defect defect() const;
+  [[nodiscard]] Validity check() const;
 
  private:
   using Matrix = Eigen::Matrix<double, N, N>;
@@ -98,13 +98,13 @@ typename CompactRoot<N>::Matrix CompactRoot<N>::squared() const {
 }
 
 template <int N>
-Defect CompactRoot<N>::defect() const {
+Validity CompactRoot<N>::check() const {
   if (std::ranges::any_of(scales, [](int scale) { return scale > kMaxScale; }) ||
       std::ranges::count(entries, std::uint8_t{0}) > 0 ||
       unscaled().colwise().norm().maxCoeff() > 1.0 + kTolerance) {
-    return Malformed::kOutOfRange;
+    return unexpected(Malformed::kOutOfRange);
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace fleetloc

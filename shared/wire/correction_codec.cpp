@@ -47,11 +47,12 @@ Eigen::Vector4d quaternion_at(const wire::Correction& sample, std::size_t row) {
   return Eigen::Vector4d(q[0], q[1], q[2], q[3]) / kUnitsPerQuaternion;
 }
 
-Defect defect_of_columns(const wire::Correction& sample) {
+Validity check_columns(const wire::Correction& sample) {
   const std::size_t poses = sample.pose_from().size();
   const std::size_t landmarks = sample.landmark_id().size();
-  if (poses == 0 && landmarks == 0) return Malformed::kTooFewItems;
-  if (poses > kMaxCorrectedPoses || landmarks > kMaxLandmarks) return Malformed::kTooManyItems;
+  if (poses == 0 && landmarks == 0) return unexpected(Malformed::kTooFewItems);
+  if (poses > kMaxCorrectedPoses || landmarks > kMaxLandmarks)
+    return unexpected(Malformed::kTooManyItems);
   const bool equal = sample.pose_to().size() == poses &&
                      sample.pose_rotation().size() == 4 * poses &&
                      sample.pose_translation().size() == 3 * poses &&
@@ -61,45 +62,46 @@ Defect defect_of_columns(const wire::Correction& sample) {
                      sample.landmark_position().size() == 3 * landmarks &&
                      sample.landmark_scale().size() == LandmarkRoot::kScales * landmarks &&
                      sample.landmark_information().size() == LandmarkRoot::kEntries * landmarks;
-  if (!equal) return Malformed::kUnequalColumns;
-  return std::nullopt;
+  if (!equal) return unexpected(Malformed::kUnequalColumns);
+  return {};
 }
 
-Defect defect_of_poses(const wire::Correction& sample) {
+Validity check_poses(const wire::Correction& sample) {
   for (std::size_t i = 0; i < sample.pose_to().size(); ++i) {
     const std::uint32_t to = sample.pose_to()[i];
-    if (sample.pose_from()[i] >= to || to > sample.anchor()) return Malformed::kUnorderedItems;
-    if (i > 0 && to <= sample.pose_to()[i - 1]) return Malformed::kUnorderedItems;
+    if (sample.pose_from()[i] >= to || to > sample.anchor())
+      return unexpected(Malformed::kUnorderedItems);
+    if (i > 0 && to <= sample.pose_to()[i - 1]) return unexpected(Malformed::kUnorderedItems);
     if (std::abs(quaternion_at(sample, i).norm() - 1.0) > kUnitNormTolerance) {
-      return Malformed::kNotARotation;
+      return unexpected(Malformed::kNotARotation);
     }
     const auto root = root_at<6>(sample.pose_scale(), sample.pose_information(), i);
-    if (const Defect found = root.defect()) return found;
+    if (const Validity valid = root.check(); !valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect_of_landmarks(const wire::Correction& sample) {
+Validity check_landmarks(const wire::Correction& sample) {
   constexpr auto kMax = static_cast<int>(kMaxCorrectedMetres * kLandmarkUnitsPerMetre);
   for (const int value : sample.landmark_position()) {
-    if (std::abs(value) > kMax) return Malformed::kOutOfRange;
+    if (std::abs(value) > kMax) return unexpected(Malformed::kOutOfRange);
   }
   GapReader<std::uint32_t> ids(sample.landmark_id(), sample.landmark_id_wide());
   for (std::size_t i = 0; i < sample.landmark_id().size(); ++i) {
     const auto id = ids.next();
-    if (!id) return Malformed::kUnorderedItems;
-    if (*id > std::numeric_limits<std::uint32_t>::max()) return Malformed::kOutOfRange;
+    if (!id) return unexpected(Malformed::kUnorderedItems);
+    if (*id > std::numeric_limits<std::uint32_t>::max()) return unexpected(Malformed::kOutOfRange);
     const auto root = root_at<3>(sample.landmark_scale(), sample.landmark_information(), i);
-    if (const Defect found = root.defect()) return found;
+    if (const Validity valid = root.check(); !valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect_of_sample(const wire::Correction& sample) {
-  for (const auto check : {defect_of_columns, defect_of_poses, defect_of_landmarks}) {
-    if (const Defect found = check(sample)) return found;
+Validity check_sample(const wire::Correction& sample) {
+  for (const auto check_part : {check_columns, check_poses, check_landmarks}) {
+    if (const Validity valid = check_part(sample); !valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
 void append_poses(const Correction& correction, wire::Correction& sample) {
@@ -145,7 +147,7 @@ Bytes encoded(const Correction& correction, const std::vector<Correction::Landma
   sample.anchor(static_cast<std::uint32_t>(correction.anchor));
   append_poses(correction, sample);
   append_landmarks(landmarks, sample);
-  expect_encodable(defect_of_sample(sample), "correction");  // as the receiver checks it
+  expect_encodable(check_sample(sample), "correction");  // as the receiver checks it
   return to_cdr(sample);
 }
 
@@ -174,10 +176,9 @@ Bytes encode(const Correction& correction) {
 }
 
 Decoded<Correction> decode_correction(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::Correction>(bytes, 2);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::Correction>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::Correction>(bytes, 2, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   Correction correction;
   correction.robot = sample.robot().to_string();
   correction.session = SessionNumber{sample.session()};

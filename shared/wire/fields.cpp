@@ -74,7 +74,7 @@ SquareRoot square_root_of(const Matrix6d& matrix) {
       *next++ = static_cast<float>(R(row, column) * scale(column));
     }
   }
-  expect(!defect(std::span<const float, 21>(out)), "a matrix that is out of range");
+  expect(check(std::span<const float, 21>(out)).has_value(), "a matrix that is out of range");
   return out;
 }
 
@@ -97,51 +97,53 @@ Matrix6d from_wire(const wire::SquareRoot6& matrix) {
   return squared(matrix.R());
 }
 
-Defect defect(double value, double min, double max) {
-  if (!std::isfinite(value)) return Malformed::kNotFinite;
-  if (value < min || value > max) return Malformed::kOutOfRange;
-  return std::nullopt;
+Validity check(double value, double min, double max) {
+  if (!std::isfinite(value)) return unexpected(Malformed::kNotFinite);
+  if (value < min || value > max) return unexpected(Malformed::kOutOfRange);
+  return {};
 }
 
-Defect defect(const wire::Vector3& vector, double max) {
+Validity check(const wire::Vector3& vector, double max) {
   for (const double value : {vector.x(), vector.y(), vector.z()}) {
-    if (const Defect found = defect(value, -max, max)) return found;
+    if (const Validity valid = check(value, -max, max); !valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect(const wire::Pose& T) {
+Validity check(const wire::Pose& T) {
   const wire::Quaternion& q = T.rotation();
   const Eigen::Vector4d coefficients(q.w(), q.x(), q.y(), q.z());
-  if (!coefficients.allFinite()) return Malformed::kNotFinite;
-  if (!(std::abs(coefficients.norm() - 1.0) <= kUnitNormTolerance)) return Malformed::kNotARotation;
-  return defect(T.translation());
+  if (!coefficients.allFinite()) return unexpected(Malformed::kNotFinite);
+  if (!(std::abs(coefficients.norm() - 1.0) <= kUnitNormTolerance))
+    return unexpected(Malformed::kNotARotation);
+  return check(T.translation());
 }
 
-Defect defect(std::span<const float, 21> square_root) {
+Validity check(std::span<const float, 21> square_root) {
   for (const float value : square_root) {
-    if (const Defect found = defect(static_cast<double>(value), -kLargestRoot, kLargestRoot)) {
-      return found;
+    if (const Validity valid = check(static_cast<double>(value), -kLargestRoot, kLargestRoot);
+        !valid) {
+      return valid;
     }
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect(const wire::SquareRoot6& matrix) {
-  return defect(std::span<const float, 21>(matrix.R()));
+Validity check(const wire::SquareRoot6& matrix) {
+  return check(std::span<const float, 21>(matrix.R()));
 }
 
-Defect defect_of_stamp(std::int64_t ns) {
-  if (ns < -kLatestStamp_ns || ns > kLatestStamp_ns) return Malformed::kOutOfRange;
-  return std::nullopt;
+Validity check_stamp(std::int64_t ns) {
+  if (ns < -kLatestStamp_ns || ns > kLatestStamp_ns) return unexpected(Malformed::kOutOfRange);
+  return {};
 }
 
 void expect_encodable_id(const std::string& id) {
   if (!is_valid_id(id)) throw NotEncodable("'" + id + "' is not an id");
 }
 
-void expect_encodable(const Defect& defect, const std::string& what) {
-  if (defect) throw NotEncodable(what + ": " + std::string(name(*defect)));
+void expect_encodable(const Validity& valid, const std::string& what) {
+  if (!valid) throw NotEncodable(what + ": " + std::string(name(valid.error())));
 }
 
 }  // namespace fleetloc

@@ -12,7 +12,7 @@
 #include "shared/geometry/pose.hpp"
 #include "shared/wire/malformed.hpp"
 
-/// What several types have in common: conversions, which expect a field without defect, and checks.
+/// What several types have in common: conversions, which expect a valid field, and checks.
 namespace fleetloc {
 
 /// Larger coordinates are rejected [m]; geocentric ones still fit.
@@ -40,16 +40,16 @@ constexpr Timestamp stamp_from_wire(std::int64_t ns) {
   return Timestamp{Duration{ns}};
 }
 
-Defect defect(double value, double min, double max);  ///< finite and within [min, max]
-Defect defect(const wire::Vector3& vector, double max = kMaxCoordinate);
-Defect defect(const wire::Pose& T);
-Defect defect(std::span<const float, 21> square_root);
-Defect defect(const wire::SquareRoot6& matrix);
+Validity check(double value, double min, double max);  ///< finite and within [min, max]
+Validity check(const wire::Vector3& vector, double max = kMaxCoordinate);
+Validity check(const wire::Pose& T);
+Validity check(std::span<const float, 21> square_root);
+Validity check(const wire::SquareRoot6& matrix);
 /// Within 146 years of zero, so that differences do not overflow.
-Defect defect_of_stamp(std::int64_t ns);
+Validity check_stamp(std::int64_t ns);
 
 /// Throws NotEncodable.
 void expect_encodable_id(const std::string& id);
-void expect_encodable(const Defect& defect, const std::string& what);
+void expect_encodable(const Validity& valid, const std::string& what);
 
 }  // namespace fleetloc

@@ -22,15 +22,15 @@ static_assert(static_cast<int>(LocalizationStatus::kUnconfirmed) == wire::UNCONF
 
 constexpr std::int64_t kLongestHoldingTime_ns = 3'600'000'000'000;
 
-Defect defect_of_sample(const wire::LocalizationResult& sample) {
-  if (sample.status() > wire::UNCONFIRMED) return Malformed::kUnknownValue;
-  if (const Defect found = defect_of_stamp(sample.stamp_ns())) return found;
+Validity check_sample(const wire::LocalizationResult& sample) {
+  if (sample.status() > wire::UNCONFIRMED) return unexpected(Malformed::kUnknownValue);
+  if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   if (sample.holding_time_ns() < 0 || sample.holding_time_ns() > kLongestHoldingTime_ns) {
-    return Malformed::kOutOfRange;
+    return unexpected(Malformed::kOutOfRange);
   }
-  if (const Defect found = defect(sample.T_map_body())) return found;
-  if (const Defect found = defect(sample.covariance())) return found;
-  return defect(sample.T_map_odom());
+  if (const Validity valid = check(sample.T_map_body()); !valid) return valid;
+  if (const Validity valid = check(sample.covariance()); !valid) return valid;
+  return check(sample.T_map_odom());
 }
 
 }  // namespace
@@ -55,15 +55,14 @@ Bytes encode(const LocalizationResult& answer) {
   if (localized) sample.covariance(to_wire(answer.covariance));
   sample.T_map_odom(to_wire(localized ? answer.T_map_odom : Pose{}));
   sample.holding_time_ns(answer.holding_time.count());
-  expect_encodable(defect_of_sample(sample), "answer");
+  expect_encodable(check_sample(sample), "answer");
   return to_cdr(sample);
 }
 
 Decoded<LocalizationResult> decode_localization_result(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::LocalizationResult>(bytes, 2);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::LocalizationResult>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::LocalizationResult>(bytes, 2, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   return LocalizationResult{.robot = sample.robot().to_string(),
                             .session = SessionNumber{sample.session()},
                             .localizer = sample.localizer().to_string(),

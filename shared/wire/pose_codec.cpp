@@ -12,18 +12,18 @@ namespace {
 constexpr double kMaxSpeed_mps = 1e4;
 constexpr double kMaxTurnRate_radps = 1e3;
 
-Defect defect_of_sample(const wire::PoseEstimate& sample) {
-  if (const Defect found = defect(sample.quality())) return found;
-  if (const Defect found = defect_of_stamp(sample.stamp_ns())) return found;
-  if (const Defect found = defect_of_stamp(sample.since_last_answer_ns())) return found;
+Validity check_sample(const wire::PoseEstimate& sample) {
+  if (const Validity valid = check(sample.quality()); !valid) return valid;
+  if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
+  if (const Validity valid = check_stamp(sample.since_last_answer_ns()); !valid) return valid;
   for (const wire::Pose& T : {sample.T_odom_body(), sample.T_map_body()}) {
-    if (const Defect found = defect(T)) return found;
+    if (const Validity valid = check(T); !valid) return valid;
   }
   for (const wire::SquareRoot6& covariance : {sample.covariance_odom(), sample.covariance_map()}) {
-    if (const Defect found = defect(covariance)) return found;
+    if (const Validity valid = check(covariance); !valid) return valid;
   }
-  if (const Defect found = defect(sample.v_odom(), kMaxSpeed_mps)) return found;
-  return defect(sample.angular_velocity(), kMaxTurnRate_radps);
+  if (const Validity valid = check(sample.v_odom(), kMaxSpeed_mps); !valid) return valid;
+  return check(sample.angular_velocity(), kMaxTurnRate_radps);
 }
 
 }  // namespace
@@ -43,15 +43,14 @@ Bytes encode(const RobotPoseEstimate& pose) {
   if (estimate.T_map_body) sample.covariance_map(to_wire(estimate.covariance_map));
   sample.v_odom(to_wire(estimate.v_odom));
   sample.angular_velocity(to_wire(estimate.angular_velocity));
-  expect_encodable(defect_of_sample(sample), "pose estimate");
+  expect_encodable(check_sample(sample), "pose estimate");
   return to_cdr(sample);
 }
 
 Decoded<RobotPoseEstimate> decode_pose_estimate(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::PoseEstimate>(bytes, 1);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::PoseEstimate>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::PoseEstimate>(bytes, 1, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   PoseEstimate estimate{.stamp = stamp_from_wire(sample.stamp_ns()),
                         .quality = from_wire(sample.quality()),
                         .since_last_answer = Duration{sample.since_last_answer_ns()},

@@ -20,8 +20,9 @@ constexpr Quality from_wire(wire::Quality quality) {
   return static_cast<Quality>(quality);
 }
 
-constexpr Defect defect(wire::Quality quality) {
-  return quality > wire::POSE_LOST ? Defect(Malformed::kUnknownValue) : std::nullopt;
+constexpr Validity check(wire::Quality quality) {
+  if (quality > wire::POSE_LOST) return unexpected(Malformed::kUnknownValue);
+  return {};
 }
 
 }  // namespace fleetloc

@@ -12,23 +12,24 @@ constexpr double kMinFocal_px = 1.0;
 constexpr double kMaxFocal_px = 1e5;
 constexpr double kMaxBaseline_m = 100.0;
 
-Defect defect_of_stereo(const wire::RobotSession& sample) {
-  if (const Defect found = defect(sample.focal_px(), kMinFocal_px, kMaxFocal_px)) return found;
+Validity check_stereo(const wire::RobotSession& sample) {
+  if (const Validity valid = check(sample.focal_px(), kMinFocal_px, kMaxFocal_px); !valid)
+    return valid;
   for (const double center : sample.center_px()) {
-    if (const Defect found = defect(center, 0.0, kRectifiedSize)) return found;
+    if (const Validity valid = check(center, 0.0, kRectifiedSize); !valid) return valid;
   }
   // Zero: one camera.
-  if (const Defect found = defect(sample.baseline_m(), 0.0, kMaxBaseline_m)) return found;
-  return defect(sample.T_body_cam0());
+  if (const Validity valid = check(sample.baseline_m(), 0.0, kMaxBaseline_m); !valid) return valid;
+  return check(sample.T_body_cam0());
 }
 
-Defect defect_of_sample(const wire::RobotSession& sample) {
-  if (sample.encoding() > wire::DELTA) return Malformed::kUnknownValue;
-  if (const Defect found = defect_of_stamp(sample.start_stamp_ns())) return found;
-  if (const Defect found = defect_of_stereo(sample)) return found;
-  if (const Defect found = defect(sample.p_odom())) return found;
-  if (const Defect found = defect(sample.T_map_odom())) return found;
-  return defect(sample.covariance());
+Validity check_sample(const wire::RobotSession& sample) {
+  if (sample.encoding() > wire::DELTA) return unexpected(Malformed::kUnknownValue);
+  if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
+  if (const Validity valid = check_stereo(sample); !valid) return valid;
+  if (const Validity valid = check(sample.p_odom()); !valid) return valid;
+  if (const Validity valid = check(sample.T_map_odom()); !valid) return valid;
+  return check(sample.covariance());
 }
 
 }  // namespace
@@ -52,15 +53,14 @@ Bytes encode(const RobotSession& session) {
   sample.p_odom(to_wire(start.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
-  expect_encodable(defect_of_sample(sample), "robot session");
+  expect_encodable(check_sample(sample), "robot session");
   return to_cdr(sample);
 }
 
 Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::RobotSession>(bytes, 2);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::RobotSession>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::RobotSession>(bytes, 2, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   RobotSession session{
       .robot = sample.robot().to_string(),
       .session = SessionNumber{sample.session()},

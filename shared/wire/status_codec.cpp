@@ -12,15 +12,15 @@ namespace {
 constexpr std::uint32_t kMaxSessions = 1'000'000;
 constexpr Duration kNotMeasured{-1};
 
-Defect defect_of_sample(const wire::LocalizerStatus& sample) {
-  if (sample.sessions() > kMaxSessions) return Malformed::kOutOfRange;
-  return defect(static_cast<double>(sample.load()), 0.0, 1.0);
+Validity check_sample(const wire::LocalizerStatus& sample) {
+  if (sample.sessions() > kMaxSessions) return unexpected(Malformed::kOutOfRange);
+  return check(static_cast<double>(sample.load()), 0.0, 1.0);
 }
 
-Defect defect_of_sample(const wire::RobotStatus& sample) {
-  if (const Defect found = defect(sample.quality())) return found;
-  if (const Defect found = defect_of_stamp(sample.start_stamp_ns())) return found;
-  return defect_of_stamp(sample.stamp_ns());
+Validity check_sample(const wire::RobotStatus& sample) {
+  if (const Validity valid = check(sample.quality()); !valid) return valid;
+  if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
+  return check_stamp(sample.stamp_ns());
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ Bytes encode(const LocalizerStatus& status) {
   sample.sessions(static_cast<std::uint32_t>(status.sessions));  // a negative one is out of range
   sample.load(static_cast<float>(status.load));
   sample.accepting(status.accepting);
-  expect_encodable(defect_of_sample(sample), "localizer status");
+  expect_encodable(check_sample(sample), "localizer status");
   return to_cdr(sample);
 }
 
@@ -49,15 +49,14 @@ Bytes encode(const RobotStatus& status) {
   sample.submaps_sent(status.submaps_sent);
   sample.answers_applied(status.answers_applied);
   sample.round_trip_ns(status.round_trip.value_or(kNotMeasured).count());
-  expect_encodable(defect_of_sample(sample), "robot status");
+  expect_encodable(check_sample(sample), "robot status");
   return to_cdr(sample);
 }
 
 Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::LocalizerStatus>(bytes, 1);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::LocalizerStatus>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::LocalizerStatus>(bytes, 1, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   return LocalizerStatus{.localizer = sample.localizer().to_string(),
                          .incarnation = Incarnation{sample.incarnation()},
                          .map_hash = sample.map_hash(),
@@ -67,10 +66,9 @@ Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> b
 }
 
 Decoded<RobotStatus> decode_robot_status(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::RobotStatus>(bytes, 1);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::RobotStatus>(decoded);
-  if (const Defect found = defect_of_sample(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::RobotStatus>(bytes, 1, check_sample);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   RobotStatus status{.robot = sample.robot().to_string(),
                      .session = SessionNumber{sample.session()},
                      .start_stamp = stamp_from_wire(sample.start_stamp_ns()),

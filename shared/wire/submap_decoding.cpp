@@ -6,7 +6,7 @@
 #include "shared/wire/submap_codec.hpp"
 #include "shared/wire/submap_sample.hpp"
 
-// Everything here reads a sample without defect.
+// Everything here reads a valid sample.
 namespace fleetloc {
 namespace {
 
@@ -89,10 +89,9 @@ void add_observations(const wire::Submap& sample, Submap& submap) {
 }  // namespace
 
 Decoded<Submap> decode_submap(std::span<const std::uint8_t> bytes) {
-  const auto decoded = from_cdr<wire::Submap>(bytes, 1);
-  if (const auto* reason = std::get_if<Malformed>(&decoded)) return *reason;
-  const auto& sample = std::get<wire::Submap>(decoded);
-  if (const Defect found = defect(sample)) return *found;
+  const auto decoded = valid_from_cdr<wire::Submap>(bytes, 1, check);
+  if (!decoded) return unexpected(decoded.error());
+  const auto& sample = *decoded;
   Submap submap{.robot = sample.robot().to_string(),
                 .session = SessionNumber{sample.session()},
                 .incarnation = Incarnation{sample.incarnation()},

@@ -134,7 +134,7 @@ Bytes encode(const Submap& submap) {
   append_edges(submap, sample);
   append_landmarks(submap, sample);
   append_observations(submap, sample);
-  expect_encodable(defect(sample), "submap");  // as the receiver checks it
+  expect_encodable(check(sample), "submap");  // as the receiver checks it
   return to_cdr(sample);
 }
 

@@ -29,14 +29,14 @@ bool increases(const Column& column) {
   return std::ranges::adjacent_find(column, std::greater_equal<>{}) == column.end();
 }
 
-Defect defect_of_counts(const wire::Submap& sample) {
-  if (sample.keyframe_id().empty()) return Malformed::kTooFewItems;
+Validity check_counts(const wire::Submap& sample) {
+  if (sample.keyframe_id().empty()) return unexpected(Malformed::kTooFewItems);
   if (sample.keyframe_id().size() > kMaxKeyframes || sample.edge_from().size() > kMaxEdges ||
       sample.landmark_id().size() > kMaxLandmarks ||
       sample.observation_landmark().size() > kMaxObservations) {
-    return Malformed::kTooManyItems;
+    return unexpected(Malformed::kTooManyItems);
   }
-  return std::nullopt;
+  return {};
 }
 
 bool has_equal_keyframe_columns(const wire::Submap& sample) {
@@ -71,92 +71,94 @@ bool has_equal_observation_columns(const wire::Submap& sample) {
          sample.observation_disparity().size() == count;
 }
 
-Defect defect_of_rotations(std::span<const std::int32_t> column) {
+Validity check_rotations(std::span<const std::int32_t> column) {
   for (std::size_t i = 0; i + 4 <= column.size(); i += 4) {
     const Eigen::Vector4d q(column[i], column[i + 1], column[i + 2], column[i + 3]);
     if (std::abs(q.norm() / kUnitsPerQuaternion - 1.0) > kUnitNormTolerance) {
-      return Malformed::kNotARotation;
+      return unexpected(Malformed::kNotARotation);
     }
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect_of_keyframes(const wire::Submap& sample) {
-  if (!increases(sample.keyframe_id())) return Malformed::kUnorderedItems;
+Validity check_keyframes(const wire::Submap& sample) {
+  if (!increases(sample.keyframe_id())) return unexpected(Malformed::kUnorderedItems);
   for (const std::int64_t ns : sample.keyframe_stamp_ns()) {
-    if (const Defect found = defect_of_stamp(ns)) return found;
+    if (const Validity valid = check_stamp(ns); !valid) return valid;
   }
-  if (!increases(sample.keyframe_stamp_ns())) return Malformed::kUnorderedStamps;
+  if (!increases(sample.keyframe_stamp_ns())) return unexpected(Malformed::kUnorderedStamps);
   for (const float sigma : sample.keyframe_tilt_sigma()) {
     const auto min_sigma = static_cast<double>(std::numeric_limits<float>::min());
-    if (const Defect found = defect(static_cast<double>(sigma), min_sigma, kLargestTilt_rad)) {
-      return found;
+    if (const Validity valid = check(static_cast<double>(sigma), min_sigma, kLargestTilt_rad);
+        !valid) {
+      return valid;
     }
   }
   for (const std::int32_t value : std::span(sample.keyframe_translation()).first<3>()) {
-    if (value != 0) return Malformed::kOutOfRange;
+    if (value != 0) return unexpected(Malformed::kOutOfRange);
   }
-  return defect_of_rotations(sample.keyframe_rotation());
+  return check_rotations(sample.keyframe_rotation());
 }
 
-Defect defect_of_edges(const wire::Submap& sample) {
+Validity check_edges(const wire::Submap& sample) {
   for (std::size_t i = 0; i < sample.edge_from().size(); ++i) {
     if (std::max(sample.edge_from()[i], sample.edge_to()[i]) >= sample.keyframe_id().size()) {
-      return Malformed::kUnknownKeyframe;
+      return unexpected(Malformed::kUnknownKeyframe);
     }
-    if (sample.edge_from()[i] >= sample.edge_to()[i]) return Malformed::kUnorderedItems;
+    if (sample.edge_from()[i] >= sample.edge_to()[i]) return unexpected(Malformed::kUnorderedItems);
     const std::span roots(sample.edge_information());
-    if (const Defect found = defect(roots.subspan(kRootSize * i).first<kRootSize>())) return found;
+    if (const Validity valid = check(roots.subspan(kRootSize * i).first<kRootSize>()); !valid)
+      return valid;
   }
-  if (!increases(sample.edge_to())) return Malformed::kUnorderedItems;
-  return defect_of_rotations(sample.edge_rotation());
+  if (!increases(sample.edge_to())) return unexpected(Malformed::kUnorderedItems);
+  return check_rotations(sample.edge_rotation());
 }
 
-Defect defect_of_landmarks(const wire::Submap& sample) {
+Validity check_landmarks(const wire::Submap& sample) {
   GapReader<std::uint32_t> ids(sample.landmark_id(), sample.landmark_id_wide());
   for (std::size_t i = 0; i < sample.landmark_id().size(); ++i) {
     const auto id = ids.next();
-    if (!id) return Malformed::kUnorderedItems;
-    if (*id > std::numeric_limits<std::uint32_t>::max()) return Malformed::kOutOfRange;
+    if (!id) return unexpected(Malformed::kUnorderedItems);
+    if (*id > std::numeric_limits<std::uint32_t>::max()) return unexpected(Malformed::kOutOfRange);
   }
   for (const float value : sample.landmark_position()) {
-    const Defect found =
-        defect(static_cast<double>(value), -kFarthestLandmark_m, kFarthestLandmark_m);
-    if (found) return found;
+    const Validity valid =
+        check(static_cast<double>(value), -kFarthestLandmark_m, kFarthestLandmark_m);
+    if (!valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
-Defect defect_of_observations(const wire::Submap& sample) {
+Validity check_observations(const wire::Submap& sample) {
   GapReader<std::uint16_t> landmarks(sample.observation_landmark(),
                                      sample.observation_landmark_wide());
   for (const std::uint16_t count : sample.keyframe_observations()) {
     landmarks.restart();
     for (int i = 0; i < count; ++i) {
       const auto landmark = landmarks.next();
-      if (!landmark) return Malformed::kUnorderedItems;
+      if (!landmark) return unexpected(Malformed::kUnorderedItems);
       if (*landmark >= static_cast<std::int64_t>(sample.landmark_id().size())) {
-        return Malformed::kUnknownLandmark;
+        return unexpected(Malformed::kUnknownLandmark);
       }
     }
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace
 
-Defect defect(const wire::Submap& sample) {
-  if (const Defect found = defect_of_counts(sample)) return found;
+Validity check(const wire::Submap& sample) {
+  if (const Validity valid = check_counts(sample); !valid) return valid;
   if (!has_equal_keyframe_columns(sample) || !has_equal_edge_columns(sample) ||
       !has_equal_landmark_columns(sample) || !has_equal_observation_columns(sample)) {
-    return Malformed::kUnequalColumns;
+    return unexpected(Malformed::kUnequalColumns);
   }
-  if (const Defect found = defect(sample.origin_odom())) return found;
-  for (const auto check :
-       {defect_of_keyframes, defect_of_edges, defect_of_landmarks, defect_of_observations}) {
-    if (const Defect found = check(sample)) return found;
+  if (const Validity valid = check(sample.origin_odom()); !valid) return valid;
+  for (const auto check_part :
+       {check_keyframes, check_edges, check_landmarks, check_observations}) {
+    if (const Validity valid = check_part(sample); !valid) return valid;
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace fleetloc

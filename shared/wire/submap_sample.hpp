@@ -15,6 +15,6 @@ inline constexpr double kEdgeUnitsPerMetre = 1e5;
 inline constexpr std::size_t kRootSize = 21;  ///< entries of a SquareRoot6
 
 /// What is wrong with a sample, its id apart; the whole trust boundary of a submap.
-Defect defect(const wire::Submap& sample);
+Validity check(const wire::Submap& sample);
 
 }  // namespace fleetloc

@@ -228,7 +228,7 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
     for (const Message& message : idle_->receive(at(ms))) {
       if (message.topic != Topic::kSession) continue;
       ++announcements;
-      const auto session = std::get<RobotSession>(decode_robot_session(message.payload));
+      const auto session = decode_robot_session(message.payload).value();
       EXPECT_EQ(session.start->T_map_odom.p.x(), 42.0);
       EXPECT_EQ(session.incarnation, Incarnation{1});
     }
@@ -247,8 +247,7 @@ TEST_F(CloudClientTest, RepeatsAnAnnouncementAsItWasAndTellsTheNextLocalizerWhat
       static_cast<void>(client_.take_answers(at(ms)));
       for (const Message& message : end.receive(at(ms))) {
         if (message.topic != Topic::kSession) continue;
-        told.push_back(
-            std::get<RobotSession>(decode_robot_session(message.payload)).start->p_odom.x());
+        told.push_back(decode_robot_session(message.payload).value().start->p_odom.x());
       }
     }
   };
@@ -276,7 +275,7 @@ TEST_F(CloudClientTest, SendsItsStateOnceASecondToItsLocalizerOnly) {
     for (const Message& message : idle_->receive(at(ms))) {
       if (message.topic != Topic::kRobotStatus) continue;
       ++states;
-      const auto status = std::get<RobotStatus>(decode_robot_status(message.payload));
+      const auto status = decode_robot_status(message.payload).value();
       EXPECT_EQ(status.quality, Quality::kDeadReckoning);
     }
   }

@@ -65,7 +65,7 @@ TEST(Corrections, GoOutOnceWithEachNewLocalizedAnswer) {
         EXPECT_EQ(ms, 0);
         EXPECT_EQ(outgoing.partition, "robot");
         EXPECT_LE(outgoing.message.payload.size(), kMaxCorrectionBytes);
-        const auto correction = std::get<Correction>(decode_correction(outgoing.message.payload));
+        const auto correction = decode_correction(outgoing.message.payload).value();
         EXPECT_EQ(correction.robot, "robot");
         EXPECT_EQ(correction.localizer, "localizer");
         EXPECT_EQ(correction.incarnation, Incarnation{3});

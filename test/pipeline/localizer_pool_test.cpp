@@ -54,8 +54,7 @@ class LocalizerPoolTest : public testing::Test {
     std::vector<LocalizationResult> answers;
     for (const auto& outgoing : pool_.outgoing(at(ms), 0.0)) {
       if (outgoing.message.topic != Topic::kLocalization) continue;
-      answers.push_back(
-          std::get<LocalizationResult>(decode_localization_result(outgoing.message.payload)));
+      answers.push_back(decode_localization_result(outgoing.message.payload).value());
       EXPECT_EQ(outgoing.partition, answers.back().robot);
     }
     return answers;

@@ -59,8 +59,7 @@ class ManyRobots : public testing::Test {
     std::vector<LocalizationResult> answers;
     for (const auto& outgoing : pool_.outgoing(at(s), 0.0)) {
       if (outgoing.message.topic != Topic::kLocalization) continue;
-      answers.push_back(
-          std::get<LocalizationResult>(decode_localization_result(outgoing.message.payload)));
+      answers.push_back(decode_localization_result(outgoing.message.payload).value());
       EXPECT_EQ(outgoing.partition, answers.back().robot);
     }
     return answers;
@@ -172,8 +171,7 @@ TEST_F(ManyRobots, AThousandAreServedAndNoMore) {
   EXPECT_EQ(jobs, 1000);
   for (const auto& outgoing : pool_.outgoing(at(0.3), 0.0)) {
     if (outgoing.message.topic != Topic::kLocalizerStatus) continue;
-    EXPECT_FALSE(
-        std::get<LocalizerStatus>(decode_localizer_status(outgoing.message.payload)).accepting);
+    EXPECT_FALSE(decode_localizer_status(outgoing.message.payload).value().accepting);
   }
 }
 

@@ -11,7 +11,7 @@ namespace fleetloc {
 namespace {
 
 Correction round_trip(const Correction& sent) {
-  return std::get<Correction>(decode_correction(encode(sent)));
+  return decode_correction(encode(sent)).value();
 }
 
 void expect_correction_refused(Malformed reason,
@@ -72,7 +72,7 @@ TEST(CorrectionCodec, FitsOneDatagramWithTheMostInformativeLandmarks) {
     const Bytes bytes = encode(sent);
     EXPECT_LE(bytes.size(), kMaxCorrectionBytes);
     EXPECT_GT(bytes.size(), kMaxCorrectionBytes - 40);
-    const Correction received = std::get<Correction>(decode_correction(bytes));
+    const Correction received = decode_correction(bytes).value();
     EXPECT_EQ(received.relative_poses.size(), 7U);
     EXPECT_GE(received.landmarks.size(), gap == 1U ? 40U : 30U);
     std::printf(

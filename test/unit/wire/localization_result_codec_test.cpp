@@ -17,7 +17,7 @@ void expect_answer_refused(Malformed reason,
 
 TEST(LocalizationResultCodec, RoundTripPreservesEveryField) {
   const LocalizationResult sent = some_answer();
-  const auto received = std::get<LocalizationResult>(decode_localization_result(encode(sent)));
+  const auto received = decode_localization_result(encode(sent)).value();
   EXPECT_EQ(received.robot, sent.robot);
   EXPECT_EQ(received.session, sent.session);
   EXPECT_EQ(received.localizer, sent.localizer);
@@ -39,8 +39,7 @@ TEST(LocalizationResultCodec, RoundTripPreservesEveryStatus) {
   for (int status = 0; status <= static_cast<int>(LocalizationStatus::kUnconfirmed); ++status) {
     LocalizationResult sent = some_answer();
     sent.status = static_cast<LocalizationStatus>(status);
-    EXPECT_EQ(std::get<LocalizationResult>(decode_localization_result(encode(sent))).status,
-              sent.status);
+    EXPECT_EQ(decode_localization_result(encode(sent)).value().status, sent.status);
   }
 }
 
@@ -48,7 +47,7 @@ TEST(LocalizationResultCodec, ARejectionHasNoPose) {
   LocalizationResult sent = some_answer();
   sent.status = LocalizationStatus::kPoorFit;
   sent.covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const auto received = std::get<LocalizationResult>(decode_localization_result(encode(sent)));
+  const auto received = decode_localization_result(encode(sent)).value();
   EXPECT_TRUE(received.T_map_body.p.isZero());
   EXPECT_TRUE(received.covariance.isZero());
 }

@@ -19,7 +19,7 @@ void expect_pose_refused(Malformed reason,
 TEST(PoseCodec, RoundTripPreservesEveryField) {
   const RobotPoseEstimate pose = some_pose_estimate();
   const PoseEstimate& sent = pose.estimate;
-  const auto decoded = std::get<RobotPoseEstimate>(decode_pose_estimate(encode(pose)));
+  const auto decoded = decode_pose_estimate(encode(pose)).value();
   const PoseEstimate& received = decoded.estimate;
   EXPECT_EQ(decoded.robot, pose.robot);
   EXPECT_EQ(received.stamp, sent.stamp);
@@ -37,7 +37,7 @@ TEST(PoseCodec, RoundTripPreservesEveryField) {
 TEST(PoseCodec, RoundTripPreservesTheLackOfAMapPose) {
   RobotPoseEstimate pose = some_pose_estimate();
   pose.estimate.T_map_body.reset();
-  const auto received = std::get<RobotPoseEstimate>(decode_pose_estimate(encode(pose)));
+  const auto received = decode_pose_estimate(encode(pose)).value();
   EXPECT_FALSE(received.estimate.T_map_body);
   EXPECT_TRUE(received.estimate.covariance_map.isZero());
 }

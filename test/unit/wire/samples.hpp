@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -180,11 +179,11 @@ void expect_refused(const Sent& sent,
                     Decode decode,
                     Malformed reason,
                     const std::function<void(Sample&)>& corrupt) {
-  auto sample = std::get<Sample>(from_cdr<Sample>(encode(sent), 0));
+  auto sample = from_cdr<Sample>(encode(sent), 0).value();
   corrupt(sample);
   const auto decoded = decode(to_cdr(sample));
-  ASSERT_TRUE(std::holds_alternative<Malformed>(decoded)) << "expected " << name(reason);
-  EXPECT_EQ(name(std::get<Malformed>(decoded)), name(reason));
+  ASSERT_FALSE(decoded.has_value()) << "expected " << name(reason);
+  EXPECT_EQ(name(decoded.error()), name(reason));
 }
 
 }  // namespace fleetloc

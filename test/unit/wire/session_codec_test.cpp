@@ -18,7 +18,7 @@ void expect_session_refused(Malformed reason,
 
 TEST(SessionCodec, RoundTripPreservesEveryField) {
   const RobotSession sent = some_session();
-  const auto received = std::get<RobotSession>(decode_robot_session(encode(sent)));
+  const auto received = decode_robot_session(encode(sent)).value();
   EXPECT_EQ(received.robot, sent.robot);
   EXPECT_EQ(received.session, sent.session);
   EXPECT_EQ(received.start_stamp, sent.start_stamp);
@@ -38,7 +38,7 @@ TEST(SessionCodec, RoundTripPreservesTheLackOfAStart) {
   RobotSession sent = some_session();
   sent.start.reset();
   sent.encoding = SubmapEncoding::kDelta;
-  const auto received = std::get<RobotSession>(decode_robot_session(encode(sent)));
+  const auto received = decode_robot_session(encode(sent)).value();
   EXPECT_FALSE(received.start);
   EXPECT_EQ(received.encoding, SubmapEncoding::kDelta);
 }

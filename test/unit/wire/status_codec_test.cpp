@@ -11,7 +11,7 @@ namespace {
 
 TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
   const LocalizerStatus sent = some_localizer_status();
-  const auto received = std::get<LocalizerStatus>(decode_localizer_status(encode(sent)));
+  const auto received = decode_localizer_status(encode(sent)).value();
   EXPECT_EQ(received.localizer, sent.localizer);
   EXPECT_EQ(received.incarnation, sent.incarnation);
   EXPECT_EQ(received.map_hash, sent.map_hash);
@@ -22,7 +22,7 @@ TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
 
 TEST(StatusCodec, RoundTripPreservesARobotStatus) {
   const RobotStatus sent = some_robot_status();
-  const auto received = std::get<RobotStatus>(decode_robot_status(encode(sent)));
+  const auto received = decode_robot_status(encode(sent)).value();
   EXPECT_EQ(received.robot, sent.robot);
   EXPECT_EQ(received.session, sent.session);
   EXPECT_EQ(received.start_stamp, sent.start_stamp);
@@ -36,7 +36,7 @@ TEST(StatusCodec, RoundTripPreservesARobotStatus) {
 TEST(StatusCodec, RoundTripPreservesTheLackOfARoundTrip) {
   RobotStatus sent = some_robot_status();
   sent.round_trip.reset();
-  EXPECT_FALSE(std::get<RobotStatus>(decode_robot_status(encode(sent))).round_trip);
+  EXPECT_FALSE(decode_robot_status(encode(sent)).value().round_trip);
 }
 
 TEST(StatusCodec, RefusesALocalizerStatusWithAReason) {
