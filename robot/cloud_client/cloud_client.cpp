@@ -1,6 +1,5 @@
 #include "robot/cloud_client/cloud_client.hpp"
 
-#include <algorithm>
 #include <tuple>
 #include <utility>
 
@@ -28,11 +27,11 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
     : robot_(std::move(robot)),
       channel_(channel),
       config_(config),
-      selector_(robot_, config.selector) {}
+      selector_(robot_, config.selector),
+      announcer_(config.announcement) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
-  session_ = session;
-  newest_start_ = session.start;
+  announcer_.start(session);
   session_started_ = now;
   newest_.reset();
   correction_.reset();
@@ -42,7 +41,7 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
-  if (localizer_.empty() || !session_) {
+  if (localizer_.empty() || !announcer_.session()) {
     ++statistics_.submaps_without_localizer;
     return;
   }
@@ -53,7 +52,7 @@ void CloudClient::submit(Submap submap, Timestamp now) {
     ++statistics_.submaps_sent;
     selector_.sent(now);
   } catch (const NotEncodable&) {  // out of range of the wire type; the next one may fit
-    refuse("not_encodable");
+    refuse(MessageRefusal::kNotEncodable);
   }
 }
 
@@ -65,8 +64,10 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  if (session_) update_localizer(now);  // after the status messages
-  repeat_announcement(now);
+  if (announcer_.session()) update_localizer(now);  // after the status messages
+  if (!localizer_.empty()) {
+    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, now);
+  }
   send_status(now);
   return answers;
 }
@@ -78,29 +79,22 @@ void CloudClient::note_applied() {
 
 void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localizer_status(payload);
-  if (!decoded) return refuse(name(decoded.error()));
+  if (!decoded) return refuse(decoded.error());
   const auto& status = *decoded;
-  const auto reason = selector_.update(status, now);
-  if (!reason) return;
-  if (*reason == "conflicting_localizer" && !statistics_.refused.contains(std::string(*reason))) {
+  const auto taken = selector_.update(status, now);
+  if (taken) return;
+  const bool is_first = !statistics_.refused.contains(std::string(name(taken.error())));
+  if (is_first && taken.error() == StatusRefusal::kConflict) {
     note("two localizers are named " + status.localizer + ": the one started first is not used");
   }
-  refuse(*reason);
+  refuse(taken.error());
 }
 
 void CloudClient::receive_correction(const Bytes& payload) {
   auto decoded = decode_correction(payload);
-  if (!decoded) return refuse(name(decoded.error()));
+  if (!decoded) return refuse(decoded.error());
   auto& correction = *decoded;
-  if (correction.robot != robot_ || !session_ || correction.session != session_->session) {
-    return refuse("correction_of_other_session");
-  }
-  if (correction.localizer != localizer_) return refuse("correction_of_other_localizer");
-  if (correction.incarnation != selector_.incarnation())
-    return refuse("correction_of_other_incarnation");
-  if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
-    return refuse("outdated_correction");
-  }
+  if (const auto valid = check(correction); !valid) return refuse(valid.error());
   corrected_anchor_ = correction.anchor;
   correction_ = std::move(correction);
 }
@@ -108,12 +102,12 @@ void CloudClient::receive_correction(const Bytes& payload) {
 std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
   auto decoded = decode_localization_result(payload);
   if (!decoded) {
-    refuse(name(decoded.error()));
+    refuse(decoded.error());
     return std::nullopt;
   }
   auto& answer = *decoded;
-  if (const auto reason = rejection_reason(answer)) {
-    refuse(*reason);
+  if (const auto valid = check(answer); !valid) {
+    refuse(valid.error());
     check_for_duplicate_id(answer, now);
     return std::nullopt;
   }
@@ -121,7 +115,7 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
     session_requested(answer, now);
     return std::nullopt;
   }
-  answered_ = true;
+  announcer_.answered();
   selector_.answered(now);
   sender_.acknowledge(answer, now);
   if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
@@ -131,26 +125,42 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
   return std::move(answer);
 }
 
-std::optional<std::string_view> CloudClient::rejection_reason(
-    const LocalizationResult& answer) const {
-  if (answer.robot != robot_ || !session_ || answer.session != session_->session) {
-    return "other_session";
+expected<void, MessageRefusal> CloudClient::check(const LocalizationResult& answer) const {
+  using enum MessageRefusal;
+  const std::optional<RobotSession>& session = announcer_.session();
+  if (answer.robot != robot_ || !session || answer.session != session->session) {
+    return unexpected(kOtherSession);
   }
-  if (answer.localizer != localizer_) return "other_localizer";
+  if (answer.localizer != localizer_) return unexpected(kOtherLocalizer);
   const bool asks = answer.status == LocalizationStatus::kNeedFull;
-  if (asks && !sender_.awaits(answer.keyframe)) return "not_asked";
+  if (asks && !sender_.awaits(answer.keyframe)) return unexpected(kNotAsked);
   if (answer.incarnation < selector_.incarnation() ||
       (!asks && answer.incarnation != selector_.incarnation())) {
-    return "other_incarnation";
+    return unexpected(kOtherIncarnation);
   }
-  if (!selector_.accepts_map(answer.map_hash) && !asks) return "other_map";
-  return std::nullopt;
+  if (!selector_.accepts_map(answer.map_hash) && !asks) return unexpected(kOtherMap);
+  return {};
+}
+
+expected<void, MessageRefusal> CloudClient::check(const Correction& correction) const {
+  using enum MessageRefusal;
+  const std::optional<RobotSession>& session = announcer_.session();
+  if (correction.robot != robot_ || !session || correction.session != session->session) {
+    return unexpected(kCorrectionOfOtherSession);
+  }
+  if (correction.localizer != localizer_) return unexpected(kCorrectionOfOtherLocalizer);
+  if (correction.incarnation != selector_.incarnation()) {
+    return unexpected(kCorrectionOfOtherIncarnation);
+  }
+  if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
+    return unexpected(kOutdatedCorrection);
+  }
+  return {};
 }
 
 // The localizer does not know the session: it was restarted, has dropped it or never received it.
 void CloudClient::session_requested(const LocalizationResult& answer, Timestamp now) {
   ++statistics_.sessions_requested;
-  answered_ = false;
   if (answer.incarnation != selector_.incarnation()) {  // its status follows, with its load
     const LocalizerStatus status{.localizer = answer.localizer,
                                  .incarnation = answer.incarnation,
@@ -159,16 +169,15 @@ void CloudClient::session_requested(const LocalizationResult& answer, Timestamp 
     static_cast<void>(selector_.update(status, now));
     return;
   }
-  announcement_interval_s_ = config_.announcement_interval_s;
-  if (to_seconds(now - *announced_) < config_.min_announcement_interval_s) return;
-  announce_newest_start(now);
+  if (const auto announcement = announcer_.requested(now)) announce(*announcement, now);
 }
 
 // After kSettledSeconds no answer to an earlier session of this robot can be in flight.
 void CloudClient::check_for_duplicate_id(const LocalizationResult& answer, Timestamp now) {
   constexpr double kSettledSeconds = 30.0;
   constexpr int kTooMany = 3;
-  if (!session_ || answer.robot != robot_ || answer.session == session_->session) return;
+  const std::optional<RobotSession>& session = announcer_.session();
+  if (!session || answer.robot != robot_ || answer.session == session->session) return;
   if (to_seconds(now - *session_started_) < kSettledSeconds) return;
   if (++foreign_answers_ == kTooMany) {
     note("answers to another session arrive: another robot seems to have this id");
@@ -207,50 +216,29 @@ void CloudClient::update_localizer(Timestamp now) {
 
 // Starts the submap stream of this session to this incarnation of the localizer.
 void CloudClient::start_stream(Timestamp now) {
-  answered_ = false;
   status_sent_.reset();
-  announcement_interval_s_ = config_.announcement_interval_s;
-  if (!session_) return;
-  sender_.restart(session_->session, selector_.incarnation());
-  announce_newest_start(now);
+  if (!announcer_.session()) return;
+  sender_.restart(announcer_.session()->session, selector_.incarnation());
+  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), now);
 }
 
-// For a localizer without this session. Repetitions carry the same start: another one would make
-// the localizer restart the session.
-void CloudClient::announce_newest_start(Timestamp now) {
-  session_->start = newest_start_;
-  announce(now);
-}
-
-void CloudClient::announce(Timestamp now) {
-  session_->localizer = localizer_;
-  session_->incarnation = selector_.incarnation();
-  announced_ = now;
+void CloudClient::announce(const RobotSession& session, Timestamp now) {
   try {
-    channel_.send("", {Topic::kSession, encode(*session_)}, now);
+    channel_.send("", {Topic::kSession, encode(session)}, now);
   } catch (const NotEncodable&) {  // start out of range of the wire type
-    refuse("not_encodable");
-    session_->start.reset();
-    newest_start_.reset();
+    refuse(MessageRefusal::kNotEncodable);
+    announcer_.drop_start();
   }
 }
 
-// The first announcement is lost if discovery has not yet matched the localizer's reader.
-void CloudClient::repeat_announcement(Timestamp now) {
-  if (!session_ || localizer_.empty() || answered_) return;
-  if (to_seconds(now - *announced_) < announcement_interval_s_) return;
-  announcement_interval_s_ =
-      std::min(2.0 * announcement_interval_s_, config_.max_announcement_interval_s);
-  announce(now);
-}
-
 void CloudClient::send_status(Timestamp now) {
-  if (!session_ || localizer_.empty()) return;
+  const std::optional<RobotSession>& session = announcer_.session();
+  if (!session || localizer_.empty()) return;
   if (status_sent_ && to_seconds(now - *status_sent_) < config_.status_interval_s) return;
   status_sent_ = now;
   const RobotStatus status{.robot = robot_,
-                           .session = session_->session,
-                           .start_stamp = session_->start_stamp,
+                           .session = session->session,
+                           .start_stamp = session->start_stamp,
                            .stamp = now,
                            .quality = quality_,
                            .submaps_sent = statistics_.submaps_sent,
@@ -293,9 +281,9 @@ LinkTraffic CloudClient::traffic() const {
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
   ConfigReader announcement = config.section("announcement");
   return {.selector = read_localizer_selector_config(config.section("selector")),
-          .announcement_interval_s = announcement.positive("interval_s"),
-          .max_announcement_interval_s = announcement.positive("max_interval_s"),
-          .min_announcement_interval_s = announcement.positive("min_interval_s"),
+          .announcement = {.interval_s = announcement.positive("interval_s"),
+                           .max_interval_s = announcement.positive("max_interval_s"),
+                           .min_interval_s = announcement.positive("min_interval_s")},
           .status_interval_s = config.positive("status_interval_s")};
 }
 

@@ -8,6 +8,9 @@
 #include <vector>
 
 #include "robot/cloud_client/localizer_selector.hpp"
+#include "robot/cloud_client/message_refusal.hpp"
+#include "robot/cloud_client/session_announcer.hpp"
+#include "shared/core/expected.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
@@ -27,10 +30,8 @@ class CloudClient final : public MapLocalizer {
  public:
   struct Config {
     LocalizerSelector::Config selector;
-    double announcement_interval_s;  ///< until the first answer; doubles each time
-    double max_announcement_interval_s;
-    double min_announcement_interval_s;  ///< however often the localizer asks for it
-    double status_interval_s;            ///< of RobotStatus
+    SessionAnnouncer::Config announcement;
+    double status_interval_s;  ///< of RobotStatus
   };
   struct Statistics {
     std::uint64_t submaps_sent = 0;
@@ -55,7 +56,7 @@ class CloudClient final : public MapLocalizer {
     return std::exchange(correction_, std::nullopt);
   }
   void note_applied() override;
-  void update_start(const MapOdomEstimate& start) override { newest_start_ = start; }
+  void update_start(const MapOdomEstimate& start) override { announcer_.update_start(start); }
 
   [[nodiscard]] Statistics statistics() const;
   [[nodiscard]] LinkTraffic traffic() const override;
@@ -66,18 +67,19 @@ class CloudClient final : public MapLocalizer {
   void receive_status(const Bytes& payload, Timestamp now);
   void receive_correction(const Bytes& payload);
   std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
-  [[nodiscard]] std::optional<std::string_view> rejection_reason(
-      const LocalizationResult& answer) const;
+  [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;
+  [[nodiscard]] expected<void, MessageRefusal> check(const Correction& correction) const;
   void session_requested(const LocalizationResult& answer, Timestamp now);
   void update_localizer(Timestamp now);
   void report_warning();
   void check_for_duplicate_id(const LocalizationResult& answer, Timestamp now);
   void start_stream(Timestamp now);
-  void announce_newest_start(Timestamp now);
-  void announce(Timestamp now);
-  void repeat_announcement(Timestamp now);
+  void announce(const RobotSession& session, Timestamp now);
   void send_status(Timestamp now);
-  void refuse(std::string_view reason) { ++statistics_.refused[std::string(reason)]; }
+  template <typename Reason>
+  void refuse(Reason reason) {
+    ++statistics_.refused[std::string(name(reason))];
+  }
   void note(std::string event);
   [[nodiscard]] LocalizerSelector::Link link() const;
 
@@ -85,12 +87,8 @@ class CloudClient final : public MapLocalizer {
   Channel& channel_;
   Config config_;
   LocalizerSelector selector_;
-  std::string localizer_;                // in whose partition the robot writes; empty: none
-  std::optional<RobotSession> session_;  // as it was announced
-  std::optional<MapOdomEstimate> newest_start_;
-  bool answered_ = false;  // by the chosen localizer, in this session
-  std::optional<Timestamp> announced_;
-  double announcement_interval_s_ = 0.0;
+  SessionAnnouncer announcer_;
+  std::string localizer_;  // in whose partition the robot writes; empty: none
   std::optional<Timestamp> status_sent_;
   Quality quality_ = Quality::kInitializing;
   std::uint64_t answers_applied_ = 0;

@@ -35,28 +35,38 @@ double doubled(double seconds, int times, double longest) {
 
 }  // namespace
 
+std::string_view name(StatusRefusal refusal) {
+  switch (refusal) {
+    case StatusRefusal::kOutdated:
+      return "outdated_localizer";
+    case StatusRefusal::kConflict:
+      return "conflicting_localizer";
+  }
+  return "unknown";
+}
+
 LocalizerSelector::LocalizerSelector(std::string_view robot, const Config& config)
     : robot_(robot), config_(config) {}
 
-std::optional<std::string_view> LocalizerSelector::update(const LocalizerStatus& status,
-                                                          Timestamp now) {
+expected<void, StatusRefusal> LocalizerSelector::update(const LocalizerStatus& status,
+                                                        Timestamp now) {
   const auto known = known_.find(status.localizer);
   if (known == known_.end()) {
     if (known_.size() >= kMaxLocalizers) erase_stalest();
     known_[status.localizer] = {.status = status, .heard = now, .older_heard = {}};
-    return std::nullopt;
+    return {};
   }
   Known& localizer = known->second;
   if (status.incarnation < localizer.status.incarnation && is_alive(localizer, now)) {
     const bool alternate = localizer.older_heard && localizer.heard > *localizer.older_heard;
     localizer.older_heard = now;
-    return alternate ? "conflicting_localizer" : "outdated_localizer";
+    return unexpected(alternate ? StatusRefusal::kConflict : StatusRefusal::kOutdated);
   }
   if (status.incarnation != localizer.status.incarnation)
     localizer.excluded_until = Timestamp::min();
   localizer.status = status;
   localizer.heard = now;
-  return std::nullopt;
+  return {};
 }
 
 void LocalizerSelector::sent(Timestamp now) {

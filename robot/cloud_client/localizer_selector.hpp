@@ -5,11 +5,21 @@
 #include <string>
 #include <string_view>
 
+#include "shared/core/expected.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
 
 class ConfigReader;
+
+/// Why the status of a localizer is ignored.
+enum class StatusRefusal {
+  kOutdated,  ///< of an earlier incarnation
+  kConflict,  ///< two incarnations are alive: two localizers have one name
+};
+
+/// Name in logs and summary.json, e.g. "conflicting_localizer".
+std::string_view name(StatusRefusal refusal);
 
 /// Selects the localizer of a robot from LocalizerStatus and from the answers that arrive. Among
 /// those that accept robots, have the right map and are not much more loaded than others, a hash of
@@ -46,9 +56,7 @@ class LocalizerSelector {
 
   LocalizerSelector(std::string_view robot, const Config& config);
 
-  /// Takes the status of a localizer. Returns why it is ignored: "outdated_localizer" (an earlier
-  /// incarnation) or "conflicting_localizer" (two incarnations are alive); else nothing.
-  std::optional<std::string_view> update(const LocalizerStatus& status, Timestamp now);
+  expected<void, StatusRefusal> update(const LocalizerStatus& status, Timestamp now);
 
   /// A submap was sent to the chosen localizer: an answer is expected.
   void sent(Timestamp now);

@@ -143,10 +143,10 @@ TEST_F(LocalizerSelectorTest, NamesTwoLiveLocalizersWithOneNameAndKeepsTheLaterO
   std::set<std::string_view> reasons;
   for (int second = 0; second < 20; ++second) {
     const double s = second;
-    EXPECT_FALSE(selector_.update(status("a", {.incarnation = 5}), at(s)));
-    const auto reason = selector_.update(status("a", {.incarnation = 4}), at(s + 0.5));
-    ASSERT_TRUE(reason.has_value());
-    EXPECT_EQ(*reason, second == 0 ? "outdated_localizer" : "conflicting_localizer");
+    EXPECT_TRUE(selector_.update(status("a", {.incarnation = 5}), at(s)));
+    const auto taken = selector_.update(status("a", {.incarnation = 4}), at(s + 0.5));
+    ASSERT_FALSE(taken.has_value());
+    EXPECT_EQ(name(taken.error()), second == 0 ? "outdated_localizer" : "conflicting_localizer");
     selector_.decide(at(s + 0.6), {});
     EXPECT_EQ(selector_.incarnation(), Incarnation{5});
   }
