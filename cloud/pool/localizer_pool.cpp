@@ -14,6 +14,11 @@ namespace {
 
 constexpr Duration kMinJob = std::chrono::milliseconds(1);  // so that turns are taken in any case
 
+// Unknown sessions are the pool's own affair: it remembers more of them than the register.
+bool is_superseded(const SessionRegister::Acceptance& accepted) {
+  return !accepted && accepted.error() != SessionRefusal::kUnknown;
+}
+
 bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdomEstimate>& b) {
   if (!a || !b) return !a && !b;
   return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
@@ -47,12 +52,11 @@ void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
     return;
   }
   auto& session = *decoded;
-  const SessionVerdict verdict = register_.announced(session, now);
-  if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    return refuse_superseded(session.robot, verdict, now);
-  }
+  const auto accepted = register_.announced(session, now);
+  if (is_superseded(accepted)) return refuse_superseded(session.robot, accepted.error(), now);
   if (session.localizer != name_) return end(session.robot, "went to " + session.localizer);
-  if (session.incarnation != incarnation_) return refuse(session.robot, "other_incarnation");
+  if (session.incarnation != incarnation_)
+    return refuse(session.robot, PoolRefusal::kOtherIncarnation);
   open(std::move(session), now);
 }
 
@@ -60,7 +64,7 @@ void LocalizerPool::open(RobotSession session, Timestamp now) {
   const RobotId id = session.robot;
   auto known = robots_.find(id);
   if (known == robots_.end()) {
-    if (robots_.size() >= config_.max_sessions) return refuse(id, "too_many_sessions");
+    if (robots_.size() >= config_.max_sessions) return refuse(id, PoolRefusal::kTooManySessions);
     known = robots_.emplace(id, Robot(config_.retransmission)).first;
     if (const auto departed_robot = departed_robots_.extract(id))
       known->second.report = departed_robot.mapped().report;
@@ -104,10 +108,8 @@ void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
     return;
   }
   auto& submap = *decoded;
-  const SessionVerdict verdict = register_.submap(submap.robot, submap.session, now);
-  if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    return refuse_superseded(submap.robot, verdict, now);
-  }
+  const auto accepted = register_.submap(submap.robot, submap.session, now);
+  if (is_superseded(accepted)) return refuse_superseded(submap.robot, accepted.error(), now);
   const auto found = robots_.find(submap.robot);
   if (found == robots_.end() || found->second.session->session != submap.session ||
       submap.incarnation != incarnation_) {
@@ -118,7 +120,7 @@ void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
 }
 
 void LocalizerPool::store(Robot& robot, Submap submap, std::size_t bytes, Timestamp now) {
-  if (!robot.receiver.is_new(submap.number)) return refuse(submap.robot, "seen_before");
+  if (!robot.receiver.is_new(submap.number)) return refuse(submap.robot, PoolRefusal::kSeenBefore);
   if (robot.waiting.empty() && !robot.running) robot.used = std::max(robot.used, virtual_time_);
   robot.receiver.store(submap.number);
   ++robot.report.submaps;
@@ -127,7 +129,7 @@ void LocalizerPool::store(Robot& robot, Submap submap, std::size_t bytes, Timest
   while (robot.waiting.size() > config_.max_waiting_submaps ||
          (robot.waiting.size() > 1 && robot.waiting_bytes > config_.max_waiting_bytes)) {
     pop_waiting(robot);
-    ++robot.report.refused["overtaken"];
+    ++robot.report.refused[std::string(name(PoolRefusal::kOvertaken))];
   }
 }
 
@@ -143,13 +145,13 @@ void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
     return;
   }
   const auto& status = *decoded;
-  const SessionVerdict verdict = register_.status(status, now);
+  const auto accepted = register_.status(status, now);
   const auto found = robots_.find(status.robot);
-  if (verdict == SessionVerdict::kCurrent && found != robots_.end()) {
+  if (accepted && found != robots_.end()) {
     found->second.last_message = now;
     found->second.report.status = status;
-  } else if (verdict == SessionVerdict::kOutdated || verdict == SessionVerdict::kConflict) {
-    refuse_superseded(status.robot, verdict, now);
+  } else if (is_superseded(accepted)) {
+    refuse_superseded(status.robot, accepted.error(), now);
   }
 }
 
@@ -183,7 +185,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
 void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) const {
   if (robot.waiting.empty()) return;
   if (to_seconds(now - robot.waiting.back().received) <= config_.max_waiting_s) return;
-  robot.report.refused["stale"] += robot.waiting.size();
+  robot.report.refused[std::string(name(PoolRefusal::kStale))] += robot.waiting.size();
   robot.waiting.clear();
   robot.waiting_bytes = 0;
 }
@@ -221,7 +223,7 @@ void LocalizerPool::finish(const Job& job,
   if (robot.localizer != job.session) return;  // the session was replaced meanwhile
   SessionReport& report = robot.report;
   if (!job.error.empty()) {
-    ++report.refused["error"];
+    ++report.refused[std::string(name(PoolRefusal::kError))];
     report.last_error = job.error;
   }
   if (answer.status == LocalizationStatus::kLocalized) {
@@ -233,7 +235,7 @@ void LocalizerPool::finish(const Job& job,
   report.matches.add(job.session->diagnostics().matches);
   report.memory_bytes = job.session->memory_bytes();
   if (report.memory_bytes > config_.max_session_bytes) {
-    refuse(job.robot, "too_much_memory");
+    refuse(job.robot, PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
   answer.robot = job.robot;
@@ -276,7 +278,7 @@ void LocalizerPool::add_answers(std::vector<Outgoing>& messages, Timestamp now) 
       messages.push_back({id, {Topic::kLocalization, encode(*robot.answer)}});
     } catch (const NotEncodable&) {  // a solution beyond all bounds harms only its own robot
       robot.answer.reset();
-      refuse(id, "not_encodable");
+      refuse(id, PoolRefusal::kNotEncodable);
     }
     send_correction(id, robot, messages);
   }
@@ -290,7 +292,7 @@ void LocalizerPool::send_correction(const RobotId& id,
   try {
     messages.push_back({id, {Topic::kCorrection, encode(*robot.correction)}});
   } catch (const NotEncodable&) {
-    refuse(id, "correction_not_encodable");
+    refuse(id, PoolRefusal::kCorrectionNotEncodable);
   }
   robot.correction.reset();
 }

@@ -10,6 +10,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "cloud/pool/pool_refusal.hpp"
 #include "cloud/pool/session_report.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/session.hpp"
@@ -140,8 +141,14 @@ class LocalizerPool {
   void remove_expired(Timestamp now);
   void drop_stale_work(Robot& robot, Timestamp now) const;
   static void pop_waiting(Robot& robot);
-  void refuse(const RobotId& robot, std::string_view reason);
-  void refuse_superseded(const RobotId& robot, SessionVerdict verdict, Timestamp now);
+  /// Counts a message of a robot, served or not, that is not used.
+  template <typename Reason>
+  void refuse(const RobotId& robot, Reason reason) {
+    const auto found = robots_.find(robot);
+    auto& counts = found != robots_.end() ? found->second.report.refused : unattributed_;
+    ++counts[std::string(name(reason))];
+  }
+  void refuse_superseded(const RobotId& robot, SessionRefusal refusal, Timestamp now);
   void log_event(std::string event);
   void send_correction(const RobotId& id, Robot& robot, std::vector<Outgoing>& messages);
   void add_answers(std::vector<Outgoing>& messages, Timestamp now);

@@ -20,8 +20,11 @@ constexpr double kConflictOverSeconds = 30.0;  // without a sign of the other ro
 
 // Sent to the robot's own partition; the keyframe proves that the request answers its submap.
 void LocalizerPool::request_session(const Submap& submap, Timestamp now) {
-  refuse(submap.robot,
-         submap.incarnation != incarnation_ ? "other_incarnation" : "unknown_session");
+  if (submap.incarnation != incarnation_) {
+    refuse(submap.robot, PoolRefusal::kOtherIncarnation);
+  } else {
+    refuse(submap.robot, SessionRefusal::kUnknown);
+  }
   if (!robots_.contains(submap.robot) && robots_.size() >= config_.max_sessions) return;
   const auto known = unknown_robots_.find(submap.robot);
   if (known == unknown_robots_.end()
@@ -84,15 +87,9 @@ void LocalizerPool::remove_expired(Timestamp now) {
   });
 }
 
-void LocalizerPool::refuse(const RobotId& robot, std::string_view reason) {
-  const auto found = robots_.find(robot);
-  auto& counts = found != robots_.end() ? found->second.report.refused : unattributed_;
-  ++counts[std::string(reason)];
-}
-
-void LocalizerPool::refuse_superseded(const RobotId& robot, SessionVerdict verdict, Timestamp now) {
-  refuse(robot, name(verdict));
-  if (verdict != SessionVerdict::kConflict) return;
+void LocalizerPool::refuse_superseded(const RobotId& robot, SessionRefusal refusal, Timestamp now) {
+  refuse(robot, refusal);
+  if (refusal != SessionRefusal::kConflict) return;
   const bool is_new = !conflicts_.contains(robot);
   if (is_new && conflicts_.size() >= kMaxConflicts) return;
   conflicts_[robot] = now;

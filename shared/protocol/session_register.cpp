@@ -11,19 +11,31 @@ constexpr std::size_t kMaxSuperseded = 4;
 
 }  // namespace
 
-SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp now) {
+std::string_view name(SessionRefusal refusal) {
+  switch (refusal) {
+    case SessionRefusal::kUnknown:
+      return "unknown_session";
+    case SessionRefusal::kOutdated:
+      return "outdated_session";
+    case SessionRefusal::kConflict:
+      return "conflicting_session";
+  }
+  return "unknown";
+}
+
+SessionRegister::Acceptance SessionRegister::announced(const RobotSession& session, Timestamp now) {
   const Session announced{session.start_stamp, session.session};
   const auto known = robots_.find(session.robot);
   if (known == robots_.end()) {
     make_room();
     robots_[session.robot] = {
         .current = announced, .accepted = now, .heard = now, .superseded = {}};
-    return SessionVerdict::kReplaces;
+    return {};
   }
   Robot& robot = known->second;
   if (announced == robot.current) {
     robot.heard = now;
-    return SessionVerdict::kCurrent;
+    return {};
   }
   const bool wins =
       announced.is_later_than(robot.current) || to_seconds(now - robot.heard) > config_.silence_s;
@@ -31,69 +43,55 @@ SessionVerdict SessionRegister::announced(const RobotSession& session, Timestamp
   if (std::ranges::find(robot.superseded, superseded) == robot.superseded.end())
     robot.superseded.push_back(superseded);
   if (robot.superseded.size() > kMaxSuperseded) robot.superseded.pop_front();
-  if (!wins) return verdict_on_superseded(robot, announced, now);
+  if (!wins) return unexpected(refusal_of_superseded(robot, announced, now));
   std::erase(robot.superseded, announced);
   robot.current = announced;
   robot.accepted = now;
   robot.heard = now;
-  return SessionVerdict::kReplaces;
+  return {};
 }
 
-SessionVerdict SessionRegister::submap(const RobotId& id, SessionNumber session, Timestamp now) {
+SessionRegister::Acceptance SessionRegister::submap(const RobotId& id,
+                                                    SessionNumber session,
+                                                    Timestamp now) {
   const auto known = robots_.find(id);
-  if (known == robots_.end()) return SessionVerdict::kUnknown;
+  if (known == robots_.end()) return unexpected(SessionRefusal::kUnknown);
   Robot& robot = known->second;
   if (session == robot.current.number) {
     robot.heard = now;
-    return SessionVerdict::kCurrent;
+    return {};
   }
   const auto superseded = std::ranges::find(robot.superseded, session, &Session::number);
-  if (superseded == robot.superseded.end()) return SessionVerdict::kUnknown;
-  return verdict_on_superseded(robot, *superseded, now);
+  if (superseded == robot.superseded.end()) return unexpected(SessionRefusal::kUnknown);
+  return unexpected(refusal_of_superseded(robot, *superseded, now));
 }
 
-SessionVerdict SessionRegister::status(const RobotStatus& status, Timestamp now) {
+SessionRegister::Acceptance SessionRegister::status(const RobotStatus& status, Timestamp now) {
   const auto known = robots_.find(status.robot);
-  if (known == robots_.end()) return SessionVerdict::kUnknown;
+  if (known == robots_.end()) return unexpected(SessionRefusal::kUnknown);
   Robot& robot = known->second;
   const Session session{status.start_stamp, status.session};
   if (session == robot.current) {
     robot.heard = now;
-    return SessionVerdict::kCurrent;
+    return {};
   }
-  if (session.is_later_than(robot.current)) return SessionVerdict::kUnknown;
-  return verdict_on_superseded(robot, session, now);
+  if (session.is_later_than(robot.current)) return unexpected(SessionRefusal::kUnknown);
+  return unexpected(refusal_of_superseded(robot, session, now));
 }
 
 // A session that its own robot has left by a reset of the odometry is no conflict.
-SessionVerdict SessionRegister::verdict_on_superseded(const Robot& robot,
+SessionRefusal SessionRegister::refusal_of_superseded(const Robot& robot,
                                                       const Session& superseded,
                                                       Timestamp now) const {
   const bool settled = to_seconds(now - robot.accepted) > config_.settling_s;
   const bool other_robot = superseded.start_stamp != robot.current.start_stamp;
-  return settled && other_robot ? SessionVerdict::kConflict : SessionVerdict::kOutdated;
+  return settled && other_robot ? SessionRefusal::kConflict : SessionRefusal::kOutdated;
 }
 
 void SessionRegister::make_room() {
   if (robots_.size() < config_.max_robots) return;
   robots_.erase(
       std::ranges::min_element(robots_, {}, [](const auto& item) { return item.second.heard; }));
-}
-
-std::string_view name(SessionVerdict verdict) {
-  switch (verdict) {
-    case SessionVerdict::kReplaces:
-      return "new_session";
-    case SessionVerdict::kCurrent:
-      return "current_session";
-    case SessionVerdict::kUnknown:
-      return "unknown_session";
-    case SessionVerdict::kOutdated:
-      return "outdated_session";
-    case SessionVerdict::kConflict:
-      return "conflicting_session";
-  }
-  return "unknown";
 }
 
 SessionRegister::Config read_session_register_config(ConfigReader config) {

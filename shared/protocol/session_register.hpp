@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "shared/core/expected.hpp"
 #include "shared/core/ids.hpp"
 #include "shared/core/time.hpp"
 #include "shared/model/robot_status.hpp"
@@ -15,14 +16,15 @@ namespace fleetloc {
 
 class ConfigReader;
 
-/// How a message relates to the current session of its robot.
-enum class SessionVerdict {
-  kReplaces,  ///< the robot is new or was restarted, or its odometry was reset
-  kCurrent,   ///< of the current session
+/// Why a message is not of the current session of its robot.
+enum class SessionRefusal {
   kUnknown,   ///< of a session that was never announced, or whose announcement was lost
   kOutdated,  ///< of a session that was replaced: an old datagram
   kConflict,  ///< the same, but still active: two robots have one id
 };
+
+/// Name in logs and sessions.json, e.g. "conflicting_session".
+std::string_view name(SessionRefusal refusal);
 
 /// The current session of each robot. A later start of the program wins, and within one run of the
 /// program the higher session number: a restarted robot is accepted at once, and an old datagram
@@ -30,7 +32,7 @@ enum class SessionVerdict {
 /// that is silent for `silence_s` is replaced by any other: the robot's clock may have been set
 /// back.
 ///
-/// Announcements to other localizers count, too, so that every localizer comes to the same verdict.
+/// Announcements to other localizers count, too, so that every localizer decides alike.
 class SessionRegister {
  public:
   struct Config {
@@ -41,9 +43,12 @@ class SessionRegister {
 
   explicit SessionRegister(const Config& config) : config_(config) {}
 
-  SessionVerdict announced(const RobotSession& session, Timestamp now);
-  SessionVerdict submap(const RobotId& id, SessionNumber session, Timestamp now);
-  SessionVerdict status(const RobotStatus& status, Timestamp now);
+  using Acceptance = expected<void, SessionRefusal>;
+
+  /// Accepted: it is the current session now. Never kUnknown.
+  Acceptance announced(const RobotSession& session, Timestamp now);
+  Acceptance submap(const RobotId& id, SessionNumber session, Timestamp now);
+  Acceptance status(const RobotStatus& status, Timestamp now);
 
   [[nodiscard]] std::size_t robots() const { return robots_.size(); }
 
@@ -64,16 +69,13 @@ class SessionRegister {
   };
 
   void make_room();
-  [[nodiscard]] SessionVerdict verdict_on_superseded(const Robot& robot,
+  [[nodiscard]] SessionRefusal refusal_of_superseded(const Robot& robot,
                                                      const Session& superseded,
                                                      Timestamp now) const;
 
   Config config_;
   std::map<RobotId, Robot> robots_;
 };
-
-/// Name in logs and sessions.json, e.g. "conflicting_session".
-std::string_view name(SessionVerdict verdict);
 
 SessionRegister::Config read_session_register_config(ConfigReader config);
 

@@ -5,7 +5,11 @@
 namespace fleetloc {
 namespace {
 
-using enum SessionVerdict;
+constexpr std::string_view kAccepted = "accepted";
+
+std::string_view outcome(SessionRegister::Acceptance acceptance) {
+  return acceptance ? kAccepted : name(acceptance.error());
+}
 
 Timestamp at(double s) {
   return Timestamp{from_seconds(s)};
@@ -29,63 +33,65 @@ RobotStatus status(double start_s, std::uint32_t number) {
 
 class SessionRegisterTest : public testing::Test {
  protected:
-  SessionVerdict announce(double start_s, std::uint32_t number, double now_s) {
-    return sessions_.announced(session(start_s, number), at(now_s));
+  std::string_view announce(double start_s, std::uint32_t number, double now_s) {
+    return outcome(sessions_.announced(session(start_s, number), at(now_s)));
   }
-  SessionVerdict submap(std::uint32_t number, double now_s) {
-    return sessions_.submap("robot", SessionNumber{number}, at(now_s));
+  std::string_view submap(std::uint32_t number, double now_s) {
+    return outcome(sessions_.submap("robot", SessionNumber{number}, at(now_s)));
   }
 
   SessionRegister sessions_{{.settling_s = 5.0, .silence_s = 20.0, .max_robots = 3}};
 };
 
 TEST_F(SessionRegisterTest, TakesTheFirstSessionOfARobot) {
-  EXPECT_EQ(submap(1, 0), kUnknown);
-  EXPECT_EQ(announce(10, 1, 0), kReplaces);
-  EXPECT_EQ(announce(10, 1, 1), kCurrent);
-  EXPECT_EQ(submap(1, 1), kCurrent);
-  EXPECT_EQ(submap(2, 1), kUnknown);
+  EXPECT_EQ(submap(1, 0), "unknown_session");
+  EXPECT_EQ(announce(10, 1, 0), kAccepted);
+  EXPECT_EQ(announce(10, 1, 1), kAccepted);
+  EXPECT_EQ(submap(1, 1), kAccepted);
+  EXPECT_EQ(submap(2, 1), "unknown_session");
 }
 
 TEST_F(SessionRegisterTest, AResetOfTheOdometryReplacesTheSessionWithoutAConflict) {
   announce(10, 1, 0);
-  EXPECT_EQ(announce(10, 2, 1), kReplaces);
-  EXPECT_EQ(submap(1, 2), kOutdated);
-  EXPECT_EQ(submap(1, 10), kOutdated);
-  EXPECT_EQ(announce(10, 1, 10), kOutdated);
+  EXPECT_EQ(announce(10, 2, 1), kAccepted);
+  EXPECT_EQ(submap(2, 2), kAccepted);
+  EXPECT_EQ(submap(1, 2), "outdated_session");
+  EXPECT_EQ(submap(1, 10), "outdated_session");
+  EXPECT_EQ(announce(10, 1, 10), "outdated_session");
 }
 
 TEST_F(SessionRegisterTest, ARestartedRobotReplacesTheSessionThoughItsNumberIsLower) {
   announce(10, 7, 0);
-  EXPECT_EQ(announce(11, 1, 1), kReplaces);
-  EXPECT_EQ(submap(7, 2), kOutdated);
+  EXPECT_EQ(announce(11, 1, 1), kAccepted);
+  EXPECT_EQ(submap(1, 2), kAccepted);
+  EXPECT_EQ(submap(7, 2), "outdated_session");
 }
 
 TEST_F(SessionRegisterTest, AnOldSampleDoesNotBringAnOldSessionBack) {
   announce(11, 1, 0);
-  EXPECT_EQ(announce(10, 7, 1), kOutdated);
-  EXPECT_EQ(submap(1, 2), kCurrent);
+  EXPECT_EQ(announce(10, 7, 1), "outdated_session");
+  EXPECT_EQ(submap(1, 2), kAccepted);
 }
 
 TEST_F(SessionRegisterTest, WhatTheOlderOfTwoRobotsStillSendsIsAConflict) {
   announce(10, 1, 0);
   announce(11, 2, 1);
   for (int s = 1; s < 60; ++s) {
-    EXPECT_EQ(submap(2, s), kCurrent);
-    const SessionVerdict expected = s <= 6 ? kOutdated : kConflict;
+    EXPECT_EQ(submap(2, s), kAccepted);
+    const std::string_view expected = s <= 6 ? "outdated_session" : "conflicting_session";
     EXPECT_EQ(submap(1, s), expected) << s;
     EXPECT_EQ(announce(10, 1, s), expected) << s;
-    EXPECT_EQ(sessions_.status(status(10, 1), at(s)), expected) << s;
-    EXPECT_EQ(sessions_.status(status(11, 2), at(s)), kCurrent);
+    EXPECT_EQ(outcome(sessions_.status(status(10, 1), at(s))), expected) << s;
+    EXPECT_EQ(outcome(sessions_.status(status(11, 2), at(s))), kAccepted);
   }
 }
 
 TEST_F(SessionRegisterTest, ASilentSessionGivesWayToARobotWhoseClockWasSetBack) {
   announce(1000, 1, 0);
-  EXPECT_EQ(announce(10, 2, 19), kConflict);
-  EXPECT_EQ(announce(10, 2, 21), kReplaces);
-  EXPECT_EQ(submap(2, 22), kCurrent);
-  EXPECT_EQ(submap(1, 23), kOutdated);
+  EXPECT_EQ(announce(10, 2, 19), "conflicting_session");
+  EXPECT_EQ(announce(10, 2, 21), kAccepted);
+  EXPECT_EQ(submap(2, 22), kAccepted);
+  EXPECT_EQ(submap(1, 23), "outdated_session");
 }
 
 TEST_F(SessionRegisterTest, ForgetsTheRobotThatWasHeardLeastRecentlyWhenItIsFull) {
@@ -93,8 +99,8 @@ TEST_F(SessionRegisterTest, ForgetsTheRobotThatWasHeardLeastRecentlyWhenItIsFull
     sessions_.announced(session(10, 1, "robot_" + std::to_string(i)), at(i == 0 ? 50 : i));
   }
   EXPECT_EQ(sessions_.robots(), 3);
-  EXPECT_EQ(sessions_.submap("robot_1", SessionNumber{1}, at(60)), kUnknown);
-  EXPECT_EQ(sessions_.submap("robot_0", SessionNumber{1}, at(60)), kCurrent);
+  EXPECT_EQ(outcome(sessions_.submap("robot_1", SessionNumber{1}, at(60))), "unknown_session");
+  EXPECT_EQ(outcome(sessions_.submap("robot_0", SessionNumber{1}, at(60))), kAccepted);
 }
 
 }  // namespace

@@ -1,0 +1,29 @@
+#include "cloud/pool/pool_refusal.hpp"
+
+namespace fleetloc {
+
+std::string_view name(PoolRefusal refusal) {
+  switch (refusal) {
+    case PoolRefusal::kOtherIncarnation:
+      return "other_incarnation";
+    case PoolRefusal::kTooManySessions:
+      return "too_many_sessions";
+    case PoolRefusal::kSeenBefore:
+      return "seen_before";
+    case PoolRefusal::kOvertaken:
+      return "overtaken";
+    case PoolRefusal::kStale:
+      return "stale";
+    case PoolRefusal::kError:
+      return "error";
+    case PoolRefusal::kTooMuchMemory:
+      return "too_much_memory";
+    case PoolRefusal::kNotEncodable:
+      return "not_encodable";
+    case PoolRefusal::kCorrectionNotEncodable:
+      return "correction_not_encodable";
+  }
+  return "unknown";
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string_view>
+
+namespace fleetloc {
+
+/// Why a localizer does not use a well-formed message of a robot's current session, drops work, or
+/// cannot send an answer. What is malformed or of another session has names of its own.
+enum class PoolRefusal {
+  kOtherIncarnation,  ///< meant for an earlier start of this localizer
+  kTooManySessions,
+  kSeenBefore,     ///< a submap that came twice, or very late
+  kOvertaken,      ///< more submaps wait than may
+  kStale,          ///< waited for too long
+  kError,          ///< the localization threw an exception
+  kTooMuchMemory,  ///< the session is ended
+  kNotEncodable,   ///< an answer beyond the bounds of its wire type
+  kCorrectionNotEncodable,
+};
+
+/// Name in logs and sessions.json.
+std::string_view name(PoolRefusal refusal);
+
+}  // namespace fleetloc
