@@ -1,10 +1,8 @@
 #include "cloud/pool/localizer_pool.hpp"
 
-#include <algorithm>
 #include <utility>
 
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
+#include "shared/config/config_reader.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
@@ -12,18 +10,21 @@
 namespace fleetloc {
 namespace {
 
-constexpr Duration kMinJob = std::chrono::milliseconds(1);  // so that turns are taken in any case
+constexpr double kCleanUpSeconds = 1.0;
 
-// Unknown sessions are the pool's own affair: it remembers more of them than the register.
-bool is_superseded(const SessionRegister::Acceptance& accepted) {
-  return !accepted && accepted.error() != SessionRefusal::kUnknown;
-}
-
-bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdomEstimate>& b) {
-  if (!a || !b) return !a && !b;
-  return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
-         a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance &&
-         a->p_odom == b->p_odom;
+void note(const LocalizerPool::Job& job,
+          const LocalizationResult& answer,
+          double optimize_ms,
+          SessionReport& report) {
+  if (!job.error.empty()) report.last_error = job.error;
+  if (answer.status == LocalizationStatus::kLocalized) {
+    ++report.localized;
+  } else {
+    ++report.rejected[std::string(name(answer.status))];
+  }
+  report.optimize_ms.add(optimize_ms);
+  report.matches.add(job.session->diagnostics().matches);
+  report.memory_bytes = job.session->memory_bytes();
 }
 
 }  // namespace
@@ -32,162 +33,93 @@ LocalizerPool::LocalizerPool(std::string name,
                              Incarnation incarnation,
                              std::shared_ptr<const LaserMap> map,
                              const Config& config)
-    : name_(std::move(name)),
-      incarnation_(incarnation),
-      map_(std::move(map)),
+    : map_(std::move(map)),
       config_(config),
-      register_(config.sessions) {}
+      protocol_(
+          {.name = std::move(name), .incarnation = incarnation, .map_hash = map_->info().hash},
+          config.protocol),
+      scheduler_(config.max_waiting_s),
+      report_(config.protocol.max_sessions) {}
 
 void LocalizerPool::receive(const Message& message, Timestamp now) {
-  if (message.topic == Topic::kSession) receive_session(message.payload, now);
-  if (message.topic == Topic::kSubmap) receive_submap(message.payload, now);
-  if (message.topic == Topic::kRobotStatus) receive_robot_status(message.payload, now);
+  const auto take = [&](auto decoded, auto receive) {
+    if (decoded) {
+      receive(*std::move(decoded));
+    } else {
+      report_.refuse(decoded.error());
+    }
+  };
+  const Bytes& payload = message.payload;
+  if (message.topic == Topic::kSession) {
+    take(decode_robot_session(payload), [&](auto session) { receive_session(session, now); });
+  } else if (message.topic == Topic::kSubmap) {
+    take(decode_submap(payload),
+         [&](auto submap) { receive_submap(std::move(submap), payload.size(), now); });
+  } else if (message.topic == Topic::kRobotStatus) {
+    take(decode_robot_status(payload), [&](auto status) { receive_status(status, now); });
+  }
 }
 
-// Announcements to other localizers are received, too: that robot has left this one.
-void LocalizerPool::receive_session(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_robot_session(payload);
-  if (!decoded) {
-    ++unattributed_[std::string(name(decoded.error()))];
-    return;
-  }
-  auto& session = *decoded;
-  const auto accepted = register_.announced(session, now);
-  if (is_superseded(accepted)) return refuse_superseded(session.robot, accepted.error(), now);
-  if (session.localizer != name_) return end(session.robot, "went to " + session.localizer);
-  if (session.incarnation != incarnation_)
-    return refuse(session.robot, PoolRefusal::kOtherIncarnation);
-  open(std::move(session), now);
-}
-
-void LocalizerPool::open(RobotSession session, Timestamp now) {
-  const RobotId id = session.robot;
-  auto known = robots_.find(id);
-  if (known == robots_.end()) {
-    if (robots_.size() >= config_.max_sessions) return refuse(id, PoolRefusal::kTooManySessions);
-    known = robots_.emplace(id, Robot(config_.retransmission)).first;
-    if (const auto departed_robot = departed_robots_.extract(id))
-      known->second.report = departed_robot.mapped().report;
-    unknown_robots_.erase(id);
-  }
-  Robot& robot = known->second;
-  robot.last_message = now;
-  const bool is_repeated = robot.session && robot.session->session == session.session &&
-                           robot.session->start_stamp == session.start_stamp;
-  if (is_repeated) return adopt_newer_start(robot, std::move(session));
-  log_event(id + ": session " + std::to_string(static_cast<std::uint32_t>(session.session)) +
-            (robot.session ? " replaces the one before" : " opened"));
-  ++robot.report.sessions;
-  robot.receiver = {};
-  robot.waiting.clear();
-  robot.waiting_bytes = 0;
-  restart_session(robot, std::move(session));
+void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) {
+  using Change = SessionProtocol::Change;
+  const auto change = protocol_.announced(session, now);
+  if (!change) return report_.refuse(session.robot, change.error(), now);
+  if (*change == Change::kLeft) return end(session.robot, "went to " + session.localizer);
+  if (*change != Change::kNone) open(session, *change);
 }
 
 // A job that runs meanwhile keeps its own session; what it finds is dropped.
-void LocalizerPool::restart_session(Robot& robot, RobotSession session) {
+void LocalizerPool::open(const RobotSession& session, SessionProtocol::Change change) {
+  using Change = SessionProtocol::Change;
+  Robot& robot = robots_[session.robot];
   robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);
-  robot.answer.reset();
-  robot.unsent = false;
-  robot.correction.reset();
-  robot.session = std::move(session);
+  if (change == Change::kNewStart) return;
+  robot.waiting.clear();
+  scheduler_.drop_work(session.robot);
+  if (change == Change::kOpened) report_.open(session.robot);
+  ++report_.of(session.robot).sessions;
+  report_.log(session.robot + ": session " +
+              std::to_string(static_cast<std::uint32_t>(session.session)) +
+              (change == Change::kReplaced ? " replaces the one before" : " opened"));
 }
 
-// While the robot is localized here, the localizer's pose is better than the robot's new start
-// pose.
-void LocalizerPool::adopt_newer_start(Robot& robot, RobotSession session) {
-  const bool is_localized = robot.answer && robot.answer->status == LocalizationStatus::kLocalized;
-  if (is_localized || !session.start || is_same(session.start, robot.session->start)) return;
-  restart_session(robot, std::move(session));
+void LocalizerPool::receive_submap(Submap submap, std::size_t bytes, Timestamp now) {
+  const RobotId id = submap.robot;
+  const auto accepted = protocol_.submap(submap, now);
+  if (!accepted) return report_.refuse(id, accepted.error(), now);
+  SessionReport& report = report_.of(id);
+  ++report.submaps;
+  scheduler_.add(id, now);
+  const std::size_t overtaken =
+      robots_.at(id).waiting.push(std::move(submap), bytes, now, config_.waiting);
+  report.refuse(PoolRefusal::kOvertaken, overtaken);
 }
 
-void LocalizerPool::receive_submap(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_submap(payload);
-  if (!decoded) {
-    ++unattributed_[std::string(name(decoded.error()))];
-    return;
-  }
-  auto& submap = *decoded;
-  const auto accepted = register_.submap(submap.robot, submap.session, now);
-  if (is_superseded(accepted)) return refuse_superseded(submap.robot, accepted.error(), now);
-  const auto found = robots_.find(submap.robot);
-  if (found == robots_.end() || found->second.session->session != submap.session ||
-      submap.incarnation != incarnation_) {
-    return request_session(submap, now);
-  }
-  found->second.last_message = now;
-  store(found->second, std::move(submap), payload.size(), now);
-}
-
-void LocalizerPool::store(Robot& robot, Submap submap, std::size_t bytes, Timestamp now) {
-  if (!robot.receiver.is_new(submap.number)) return refuse(submap.robot, PoolRefusal::kSeenBefore);
-  if (robot.waiting.empty() && !robot.running) robot.used = std::max(robot.used, virtual_time_);
-  robot.receiver.store(submap.number);
-  ++robot.report.submaps;
-  robot.waiting_bytes += bytes;
-  robot.waiting.push_back({.submap = std::move(submap), .received = now, .bytes = bytes});
-  while (robot.waiting.size() > config_.max_waiting_submaps ||
-         (robot.waiting.size() > 1 && robot.waiting_bytes > config_.max_waiting_bytes)) {
-    pop_waiting(robot);
-    ++robot.report.refused[std::string(name(PoolRefusal::kOvertaken))];
-  }
-}
-
-void LocalizerPool::pop_waiting(Robot& robot) {
-  robot.waiting_bytes -= robot.waiting.front().bytes;
-  robot.waiting.pop_front();
-}
-
-void LocalizerPool::receive_robot_status(const Bytes& payload, Timestamp now) {
-  const auto decoded = decode_robot_status(payload);
-  if (!decoded) {
-    ++unattributed_[std::string(name(decoded.error()))];
-    return;
-  }
-  const auto& status = *decoded;
-  const auto accepted = register_.status(status, now);
-  const auto found = robots_.find(status.robot);
-  if (accepted && found != robots_.end()) {
-    found->second.last_message = now;
-    found->second.report.status = status;
-  } else if (is_superseded(accepted)) {
-    refuse_superseded(status.robot, accepted.error(), now);
+// A status alone asks for nothing: that of an unknown session is not counted.
+void LocalizerPool::receive_status(const RobotStatus& status, Timestamp now) {
+  const auto accepted = protocol_.status(status, now);
+  if (accepted) {
+    report_.of(status.robot).status = status;
+  } else if (accepted.error() != PoolRefusal::kUnknownSession) {
+    report_.refuse(status.robot, accepted.error(), now);
   }
 }
 
 std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
-  Robot* next = nullptr;
-  const RobotId* next_id = nullptr;
-  for (auto& [id, robot] : robots_) {
-    if (robot.running) continue;
-    drop_stale_work(robot, now);
-    if (robot.waiting.empty() || (next != nullptr && next->used <= robot.used)) continue;
-    next = &robot;
-    next_id = &id;
+  for (const RobotId& robot : scheduler_.drop_stale(now)) {
+    report_.of(robot).refuse(PoolRefusal::kStale, robots_.at(robot).waiting.clear());
   }
-  if (next == nullptr) return std::nullopt;
-  Job job{.robot = *next_id,
-          .received = next->waiting.front().received,
-          .started = now,
-          .session = next->localizer,
-          .submaps = {},
-          .correction = {},
-          .error = {}};
-  for (Waiting& waiting : next->waiting) job.submaps.push_back(std::move(waiting.submap));
-  next->waiting.clear();
-  next->waiting_bytes = 0;
-  next->running = next->localizer;
-  virtual_time_ = std::max(virtual_time_, next->used);
-  return job;
-}
-
-// If even the newest has waited too long, the robot has stopped sending.
-void LocalizerPool::drop_stale_work(Robot& robot, Timestamp now) const {
-  if (robot.waiting.empty()) return;
-  if (to_seconds(now - robot.waiting.back().received) <= config_.max_waiting_s) return;
-  robot.report.refused[std::string(name(PoolRefusal::kStale))] += robot.waiting.size();
-  robot.waiting.clear();
-  robot.waiting_bytes = 0;
+  const auto turn = scheduler_.take();
+  if (!turn) return std::nullopt;
+  Robot& robot = robots_.at(turn->robot);
+  return Job{.robot = turn->robot,
+             .turn = turn->number,
+             .received = robot.waiting.oldest(),
+             .started = now,
+             .session = robot.localizer,
+             .submaps = robot.waiting.take(),
+             .correction = {},
+             .error = {}};
 }
 
 // An exception ends the job of one robot only.
@@ -213,97 +145,53 @@ void LocalizerPool::finish(const Job& job,
                            LocalizationResult answer,
                            double optimize_ms,
                            Timestamp now) {
+  scheduler_.finish({.robot = job.robot, .number = job.turn}, now - job.started);
   const auto found = robots_.find(job.robot);
-  if (found == robots_.end()) return;
-  Robot& robot = found->second;
-  if (robot.running == job.session) {
-    robot.running.reset();
-    robot.used += std::max(kMinJob, now - job.started);
-  }
-  if (robot.localizer != job.session) return;  // the session was replaced meanwhile
-  SessionReport& report = robot.report;
-  if (!job.error.empty()) {
-    ++report.refused[std::string(name(PoolRefusal::kError))];
-    report.last_error = job.error;
-  }
-  if (answer.status == LocalizationStatus::kLocalized) {
-    ++report.localized;
-  } else {
-    ++report.rejected[std::string(name(answer.status))];
-  }
-  report.optimize_ms.add(optimize_ms);
-  report.matches.add(job.session->diagnostics().matches);
-  report.memory_bytes = job.session->memory_bytes();
+  const bool is_current = found != robots_.end() && found->second.localizer == job.session;
+  if (!is_current) return;  // the session was replaced meanwhile
+  SessionReport& report = report_.of(job.robot);
+  if (!job.error.empty()) report.refuse(PoolRefusal::kError);
+  note(job, answer, optimize_ms, report);
   if (report.memory_bytes > config_.max_session_bytes) {
-    refuse(job.robot, PoolRefusal::kTooMuchMemory);
+    report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
-  answer.robot = job.robot;
-  answer.session = robot.session->session;
-  answer.localizer = name_;
-  answer.incarnation = incarnation_;
-  answer.map_hash = map_->info().hash;
   answer.holding_time = now - job.received;
-  robot.correction = job.correction;
-  if (robot.correction) {
-    robot.correction->robot = answer.robot;
-    robot.correction->session = answer.session;
-    robot.correction->localizer = answer.localizer;
-    robot.correction->incarnation = answer.incarnation;
-  }
-  robot.answer = std::move(answer);
-  robot.unsent = true;
+  protocol_.answer(job.robot, std::move(answer), job.correction);
 }
 
-std::vector<LocalizerPool::Outgoing> LocalizerPool::outgoing(Timestamp now, double load) {
-  remove_expired(now);
-  std::vector<Outgoing> messages;
-  add_answers(messages, now);
-  add_session_requests(messages);
-  if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
-    status_sent_ = now;
-    messages.push_back({"", {Topic::kLocalizerStatus, encode(status(load))}});
-  }
-  return messages;
+std::vector<OutgoingMessage> LocalizerPool::outgoing(Timestamp now, double load) {
+  clean_up(now);
+  return protocol_.outgoing(now, load, report_);
 }
 
-void LocalizerPool::add_answers(std::vector<Outgoing>& messages, Timestamp now) {
-  for (auto& [id, robot] : robots_) {
-    if (!robot.answer) continue;
-    if (!robot.unsent && !robot.retransmission.due(now, robot.receiver.loss())) continue;
-    robot.answer->acknowledgements = robot.receiver.acknowledgements();
-    if (robot.unsent) robot.retransmission.sent(now);
-    robot.unsent = false;
-    try {
-      messages.push_back({id, {Topic::kLocalization, encode(*robot.answer)}});
-    } catch (const NotEncodable&) {  // a solution beyond all bounds harms only its own robot
-      robot.answer.reset();
-      refuse(id, PoolRefusal::kNotEncodable);
-    }
-    send_correction(id, robot, messages);
-  }
+void LocalizerPool::end(const RobotId& robot, const std::string& why) {
+  report_.close(robot, why, protocol_.end(robot));
+  scheduler_.erase(robot);
+  robots_.erase(robot);
 }
 
-// Once: a lost one is made up for by the next.
-void LocalizerPool::send_correction(const RobotId& id,
-                                    Robot& robot,
-                                    std::vector<Outgoing>& messages) {
-  if (!robot.correction) return;
-  try {
-    messages.push_back({id, {Topic::kCorrection, encode(*robot.correction)}});
-  } catch (const NotEncodable&) {
-    refuse(id, PoolRefusal::kCorrectionNotEncodable);
+void LocalizerPool::clean_up(Timestamp now) {
+  if (cleaned_up_ && to_seconds(now - *cleaned_up_) < kCleanUpSeconds) return;
+  cleaned_up_ = now;
+  for (const RobotId& robot : protocol_.idle(now)) {
+    if (!scheduler_.is_running(robot)) end(robot, "nothing was heard of the robot");
   }
-  robot.correction.reset();
+  protocol_.clean_up(now);
+  report_.clean_up(now);
 }
 
-LocalizerStatus LocalizerPool::status(double load) const {
-  return {.localizer = name_,
-          .incarnation = incarnation_,
-          .map_hash = map_->info().hash,
-          .sessions = static_cast<int>(robots_.size()),
-          .load = std::clamp(load, 0.0, 1.0),
-          .accepting = robots_.size() < config_.max_sessions};
+LocalizerPool::Config read_localizer_pool_config(ConfigReader config) {
+  ConfigReader pool = config.section("pool");
+  const auto count = [&](const char* key, int max) {
+    return static_cast<std::size_t>(pool.integer(key, 1, max));
+  };
+  return {.localizer = read_session_localizer_config(config.section("localizer")),
+          .protocol = read_session_protocol_config(pool),
+          .waiting = {.max_submaps = count("max_waiting_submaps", 10'000),
+                      .max_bytes = count("max_waiting_bytes", 1'000'000'000)},
+          .max_waiting_s = pool.positive("max_waiting_s"),
+          .max_session_bytes = count("max_session_bytes", 1'000'000'000)};
 }
 
 }  // namespace fleetloc

@@ -1,9 +1,17 @@
 #include "cloud/pool/pool_refusal.hpp"
 
+#include "shared/protocol/session_register.hpp"
+
 namespace fleetloc {
 
 std::string_view name(PoolRefusal refusal) {
   switch (refusal) {
+    case PoolRefusal::kUnknownSession:
+      return name(SessionRefusal::kUnknown);
+    case PoolRefusal::kOutdatedSession:
+      return name(SessionRefusal::kOutdated);
+    case PoolRefusal::kConflictingSession:
+      return name(SessionRefusal::kConflict);
     case PoolRefusal::kOtherIncarnation:
       return "other_incarnation";
     case PoolRefusal::kTooManySessions:

@@ -4,9 +4,12 @@
 
 namespace fleetloc {
 
-/// Why a localizer does not use a well-formed message of a robot's current session, drops work, or
-/// cannot send an answer. What is malformed or of another session has names of its own.
+/// Why a localizer does not use a well-formed message, drops work, or cannot send an answer. The
+/// first three are those of SessionRefusal.
 enum class PoolRefusal {
+  kUnknownSession,
+  kOutdatedSession,
+  kConflictingSession,
   kOtherIncarnation,  ///< meant for an earlier start of this localizer
   kTooManySessions,
   kSeenBefore,     ///< a submap that came twice, or very late

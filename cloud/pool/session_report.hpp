@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud/pool/pool_refusal.hpp"
 #include "shared/model/robot_status.hpp"
 
 namespace fleetloc {
@@ -44,6 +45,10 @@ struct SessionReport {
   std::size_t memory_bytes = 0;                   ///< after the latest localization
   std::string last_error;                         ///< what the latest exception said
   std::optional<RobotStatus> status;              ///< the latest
+
+  void refuse(PoolRefusal refusal, std::uint64_t count = 1) {
+    if (count > 0) refused[std::string(name(refusal))] += count;
+  }
 };
 
 }  // namespace fleetloc

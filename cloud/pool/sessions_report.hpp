@@ -3,7 +3,8 @@
 #include <filesystem>
 #include <map>
 
-#include "cloud/pool/localizer_pool.hpp"
+#include "cloud/pool/session_report.hpp"
+#include "shared/core/ids.hpp"
 
 namespace fleetloc {
 

@@ -1,0 +1,79 @@
+#include "cloud/pool/fair_scheduler.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace fleetloc {
+namespace {
+
+constexpr Duration kMinJob = std::chrono::milliseconds(1);
+
+}  // namespace
+
+void FairScheduler::add(const RobotId& robot, Timestamp now) {
+  Robot& known = robots_[robot];
+  dequeue(robot, known);
+  if (!known.newest && !known.turn) known.used = std::max(known.used, virtual_time_);
+  known.newest = now;
+  enqueue(robot, known);
+}
+
+void FairScheduler::drop_work(const RobotId& robot) {
+  const auto known = robots_.find(robot);
+  if (known == robots_.end()) return;
+  dequeue(robot, known->second);
+  known->second.newest.reset();
+}
+
+void FairScheduler::erase(const RobotId& robot) {
+  drop_work(robot);
+  robots_.erase(robot);
+}
+
+std::vector<RobotId> FairScheduler::drop_stale(Timestamp now) {
+  std::vector<RobotId> stale;
+  while (!by_newest_work_.empty() &&
+         to_seconds(now - by_newest_work_.begin()->first) > max_waiting_s_) {
+    stale.push_back(by_newest_work_.begin()->second);
+    drop_work(stale.back());
+  }
+  return stale;
+}
+
+std::optional<FairScheduler::Turn> FairScheduler::take() {
+  if (by_used_time_.empty()) return std::nullopt;
+  const RobotId id = by_used_time_.begin()->second;
+  Robot& robot = robots_.at(id);
+  dequeue(id, robot);
+  robot.newest.reset();
+  robot.turn = ++turns_;
+  virtual_time_ = std::max(virtual_time_, robot.used);
+  return Turn{.robot = id, .number = *robot.turn};
+}
+
+void FairScheduler::finish(const Turn& turn, Duration used) {
+  const auto known = robots_.find(turn.robot);
+  if (known == robots_.end() || known->second.turn != turn.number) return;
+  known->second.turn.reset();
+  known->second.used += std::max(kMinJob, used);
+  enqueue(turn.robot, known->second);
+}
+
+bool FairScheduler::is_running(const RobotId& robot) const {
+  const auto known = robots_.find(robot);
+  return known != robots_.end() && known->second.turn.has_value();
+}
+
+void FairScheduler::enqueue(const RobotId& id, const Robot& robot) {
+  if (!robot.newest || robot.turn) return;
+  by_used_time_.emplace(robot.used, id);
+  by_newest_work_.emplace(*robot.newest, id);
+}
+
+void FairScheduler::dequeue(const RobotId& id, const Robot& robot) {
+  if (!robot.newest || robot.turn) return;
+  by_used_time_.erase({robot.used, id});
+  by_newest_work_.erase({*robot.newest, id});
+}
+
+}  // namespace fleetloc

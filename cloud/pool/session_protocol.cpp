@@ -1,0 +1,235 @@
+#include "cloud/pool/session_protocol.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "shared/config/config_reader.hpp"
+#include "shared/wire/localization_result_codec.hpp"
+#include "shared/wire/status_codec.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kMaxUnknownRobots = 256;
+constexpr double kForgetUnknownRobotSeconds = 10.0;
+
+bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdomEstimate>& b) {
+  if (!a || !b) return !a && !b;
+  return a->T_map_odom.R.coeffs() == b->T_map_odom.R.coeffs() &&
+         a->T_map_odom.p == b->T_map_odom.p && a->covariance == b->covariance &&
+         a->p_odom == b->p_odom;
+}
+
+// The register may have forgotten a robot that is served here: what it does not know is no reason
+// to refuse.
+std::optional<PoolRefusal> superseded(const SessionRegister::Acceptance& accepted) {
+  if (accepted || accepted.error() == SessionRefusal::kUnknown) return std::nullopt;
+  return accepted.error() == SessionRefusal::kConflict ? PoolRefusal::kConflictingSession
+                                                       : PoolRefusal::kOutdatedSession;
+}
+
+}  // namespace
+
+SessionProtocol::SessionProtocol(Identity identity, const Config& config)
+    : identity_(std::move(identity)), config_(config), register_(config.sessions) {}
+
+expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::announced(
+    const RobotSession& session, Timestamp now) {
+  if (const auto refusal = superseded(register_.announced(session, now))) {
+    return unexpected(*refusal);
+  }
+  if (session.localizer != identity_.name) {
+    return sessions_.contains(session.robot) ? Change::kLeft : Change::kNone;
+  }
+  if (session.incarnation != identity_.incarnation) {
+    return unexpected(PoolRefusal::kOtherIncarnation);
+  }
+  return open(session, now);
+}
+
+expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::open(const RobotSession& session,
+                                                                     Timestamp now) {
+  const auto known = sessions_.find(session.robot);
+  if (known == sessions_.end()) {
+    if (sessions_.size() >= config_.max_sessions) return unexpected(PoolRefusal::kTooManySessions);
+    sessions_.emplace(session.robot,
+                      Session{.announced = session,
+                              .receiver = {},
+                              .answers = AnswerSender(config_.retransmission),
+                              .last_message = now});
+    unknown_robots_.erase(session.robot);
+    return Change::kOpened;
+  }
+  known->second.last_message = now;
+  const RobotSession& current = known->second.announced;
+  if (current.session == session.session && current.start_stamp == session.start_stamp) {
+    return adopt_newer_start(session, known->second);
+  }
+  known->second.announced = session;
+  known->second.receiver = {};
+  known->second.answers.reset();
+  return Change::kReplaced;
+}
+
+// While the robot is localized here, the localizer's pose is better than the robot's new start
+// pose.
+SessionProtocol::Change SessionProtocol::adopt_newer_start(const RobotSession& session,
+                                                           Session& known) {
+  if (known.answers.is_localized() || !session.start ||
+      is_same(session.start, known.announced.start)) {
+    return Change::kNone;
+  }
+  known.announced = session;
+  known.answers.reset();
+  return Change::kNewStart;
+}
+
+expected<void, PoolRefusal> SessionProtocol::submap(const Submap& submap, Timestamp now) {
+  if (const auto refusal = superseded(register_.submap(submap.robot, submap.session, now))) {
+    return unexpected(*refusal);
+  }
+  const auto known = sessions_.find(submap.robot);
+  if (submap.incarnation != identity_.incarnation) {
+    request_session(submap, now);
+    return unexpected(PoolRefusal::kOtherIncarnation);
+  }
+  if (known == sessions_.end() || known->second.announced.session != submap.session) {
+    request_session(submap, now);
+    return unexpected(PoolRefusal::kUnknownSession);
+  }
+  Session& session = known->second;
+  session.last_message = now;
+  if (!session.receiver.is_new(submap.number)) return unexpected(PoolRefusal::kSeenBefore);
+  session.receiver.store(submap.number);
+  return {};
+}
+
+expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, Timestamp now) {
+  const auto accepted = register_.status(status, now);
+  if (const auto refusal = superseded(accepted)) return unexpected(*refusal);
+  const auto known = sessions_.find(status.robot);
+  if (!accepted || known == sessions_.end()) return unexpected(PoolRefusal::kUnknownSession);
+  known->second.last_message = now;
+  return {};
+}
+
+// Sent to the robot's own partition; the keyframe proves that the request answers its submap.
+void SessionProtocol::request_session(const Submap& submap, Timestamp now) {
+  if (!sessions_.contains(submap.robot) && sessions_.size() >= config_.max_sessions) return;
+  const auto known = unknown_robots_.find(submap.robot);
+  if (known == unknown_robots_.end()
+          ? unknown_robots_.size() >= kMaxUnknownRobots
+          : to_seconds(now - known->second.requested) < config_.session_request_interval_s) {
+    return;
+  }
+  LocalizationResult answer;
+  answer.robot = submap.robot;
+  answer.session = submap.session;
+  answer.localizer = identity_.name;
+  answer.incarnation = identity_.incarnation;
+  answer.status = LocalizationStatus::kNeedFull;
+  answer.keyframe = submap.keyframes.back().id;
+  answer.revision = submap.keyframes.back().revision;
+  answer.stamp = submap.keyframes.back().stamp;
+  answer.map_hash = identity_.map_hash;
+  unknown_robots_[submap.robot] = {.requested = now, .unsent = std::move(answer)};
+}
+
+void SessionProtocol::answer(const RobotId& robot,
+                             LocalizationResult answer,
+                             std::optional<Correction> correction) {
+  Session& session = sessions_.at(robot);
+  answer.robot = robot;
+  answer.session = session.announced.session;
+  answer.localizer = identity_.name;
+  answer.incarnation = identity_.incarnation;
+  answer.map_hash = identity_.map_hash;
+  if (correction) {
+    correction->robot = answer.robot;
+    correction->session = answer.session;
+    correction->localizer = answer.localizer;
+    correction->incarnation = answer.incarnation;
+  }
+  session.answers.set(std::move(answer), std::move(correction));
+}
+
+std::vector<OutgoingMessage> SessionProtocol::outgoing(Timestamp now,
+                                                       double load,
+                                                       PoolReport& report) {
+  std::vector<OutgoingMessage> messages;
+  add_answers(messages, now, report);
+  add_session_requests(messages);
+  if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
+    status_sent_ = now;
+    messages.push_back({"", {Topic::kLocalizerStatus, encode(localizer_status(load))}});
+  }
+  return messages;
+}
+
+void SessionProtocol::add_answers(std::vector<OutgoingMessage>& messages,
+                                  Timestamp now,
+                                  PoolReport& report) {
+  for (auto& [robot, session] : sessions_) {
+    for (auto& message : session.answers.due(session.receiver, now)) {
+      if (message) {
+        messages.push_back({robot, *std::move(message)});
+      } else {
+        report.refuse(robot, message.error(), now);
+      }
+    }
+  }
+}
+
+void SessionProtocol::add_session_requests(std::vector<OutgoingMessage>& messages) {
+  for (auto& [id, unknown_robot] : unknown_robots_) {
+    if (!unknown_robot.unsent) continue;
+    messages.push_back({id, {Topic::kLocalization, encode(*unknown_robot.unsent)}});
+    unknown_robot.unsent.reset();
+  }
+}
+
+LocalizerStatus SessionProtocol::localizer_status(double load) const {
+  return {.localizer = identity_.name,
+          .incarnation = identity_.incarnation,
+          .map_hash = identity_.map_hash,
+          .sessions = static_cast<int>(sessions_.size()),
+          .load = std::clamp(load, 0.0, 1.0),
+          .accepting = sessions_.size() < config_.max_sessions};
+}
+
+Timestamp SessionProtocol::end(const RobotId& robot) {
+  const auto session = sessions_.extract(robot);
+  departed_.push_back(robot);
+  return session.mapped().last_message;
+}
+
+std::vector<RobotId> SessionProtocol::idle(Timestamp now) const {
+  std::vector<RobotId> idle;
+  for (const auto& [robot, session] : sessions_) {
+    if (to_seconds(now - session.last_message) > config_.idle_session_s) idle.push_back(robot);
+  }
+  return idle;
+}
+
+void SessionProtocol::clean_up(Timestamp now) {
+  std::erase_if(unknown_robots_, [&](const auto& item) {
+    const bool is_over = to_seconds(now - item.second.requested) > kForgetUnknownRobotSeconds;
+    if (is_over && !sessions_.contains(item.first)) departed_.push_back(item.first);
+    return is_over;
+  });
+}
+
+std::vector<RobotId> SessionProtocol::take_departed() {
+  return std::exchange(departed_, {});
+}
+
+SessionProtocol::Config read_session_protocol_config(ConfigReader pool) {
+  return {.max_sessions = static_cast<std::size_t>(pool.integer("max_sessions", 1, 100'000)),
+          .idle_session_s = pool.positive("idle_session_s"),
+          .session_request_interval_s = pool.positive("session_request_interval_s"),
+          .status_interval_s = pool.positive("status_interval_s"),
+          .retransmission = read_retransmission_timer_config(pool.section("retransmission")),
+          .sessions = read_session_register_config(pool.section("sessions"))};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloud/pool/answer_sender.hpp"
+#include "cloud/pool/pool_refusal.hpp"
+#include "cloud/pool/pool_report.hpp"
+#include "shared/core/expected.hpp"
+#include "shared/link/channel.hpp"
+#include "shared/model/robot_status.hpp"
+#include "shared/model/session.hpp"
+#include "shared/model/submap.hpp"
+#include "shared/protocol/session_register.hpp"
+
+namespace fleetloc {
+
+struct OutgoingMessage {
+  std::string partition;  ///< as in Channel::send
+  Message message;
+};
+
+/// The localizer's end of the protocol: what it accepts from which robot, and what it sends.
+/// Expects messages that are well-formed. A robot whose session is not known here is asked for it.
+class SessionProtocol {
+ public:
+  struct Config {
+    std::size_t max_sessions;
+    double idle_session_s;  ///< without a message, then a session may be ended
+    double session_request_interval_s;
+    double status_interval_s;
+    RetransmissionTimer::Config retransmission;
+    SessionRegister::Config sessions;
+  };
+  /// Of this localizer; stands in all that it sends.
+  struct Identity {
+    std::string name;
+    Incarnation incarnation{};
+    MapHash map_hash{};
+  };
+  /// What an announcement that was accepted means for the session of its robot here.
+  enum class Change {
+    kNone,
+    kOpened,
+    kReplaced,  ///< by a later one, of which nothing has arrived yet
+    kNewStart,  ///< the same one, and its robot knows better where it started
+    kLeft,      ///< the robot has gone to another localizer
+  };
+
+  SessionProtocol(Identity identity, const Config& config);
+
+  /// Announcements to other localizers count, too. After kOpened, kReplaced and kNewStart answers
+  /// to what came before are not sent any more. kLeft expects that the caller ends the session.
+  expected<Change, PoolRefusal> announced(const RobotSession& session, Timestamp now);
+
+  /// Accepted: it is new, of the robot's session here, and acknowledged from now on.
+  expected<void, PoolRefusal> submap(const Submap& submap, Timestamp now);
+
+  /// A status of a session that is not known here is refused without further consequences.
+  expected<void, PoolRefusal> status(const RobotStatus& status, Timestamp now);
+
+  /// The answer and the correction become the latest of the robot's session, with its identity.
+  void answer(const RobotId& robot,
+              LocalizationResult answer,
+              std::optional<Correction> correction);
+
+  /// New answers, repetitions, requests for sessions, and from time to time the localizer's status.
+  /// @param load    of the workers, 0..1
+  /// @param report  counts answers that cannot be encoded
+  std::vector<OutgoingMessage> outgoing(Timestamp now, double load, PoolReport& report);
+
+  /// Ends the robot's session. @return when the robot was heard last
+  Timestamp end(const RobotId& robot);
+
+  /// Robots that have a session here and are silent.
+  [[nodiscard]] std::vector<RobotId> idle(Timestamp now) const;
+
+  /// Forgets robots whose session is unknown and that are silent. To be called from time to time.
+  void clean_up(Timestamp now);
+
+  /// Robots to which nothing is sent any more, since the last call.
+  std::vector<RobotId> take_departed();
+
+  [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+
+ private:
+  struct Session {
+    RobotSession announced;
+    SubmapReceiver receiver;
+    AnswerSender answers;
+    Timestamp last_message;
+  };
+  /// A robot that sends submaps of a session that is not known here.
+  struct UnknownRobot {
+    Timestamp requested;
+    std::optional<LocalizationResult> unsent;
+  };
+
+  expected<Change, PoolRefusal> open(const RobotSession& session, Timestamp now);
+  static Change adopt_newer_start(const RobotSession& session, Session& known);
+  void request_session(const Submap& submap, Timestamp now);
+  void add_answers(std::vector<OutgoingMessage>& messages, Timestamp now, PoolReport& report);
+  void add_session_requests(std::vector<OutgoingMessage>& messages);
+  [[nodiscard]] LocalizerStatus localizer_status(double load) const;
+
+  Identity identity_;
+  Config config_;
+  SessionRegister register_;
+  std::map<RobotId, Session> sessions_;
+  std::map<RobotId, UnknownRobot> unknown_robots_;
+  std::vector<RobotId> departed_;
+  std::optional<Timestamp> status_sent_;
+};
+
+SessionProtocol::Config read_session_protocol_config(ConfigReader pool);
+
+}  // namespace fleetloc

@@ -1,0 +1,123 @@
+#include "cloud/pool/session_protocol.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fleetloc {
+namespace {
+
+using Change = SessionProtocol::Change;
+
+Timestamp at(double s) {
+  return Timestamp{from_seconds(s)};
+}
+
+RobotSession session_of(const RobotId& robot, double start_s = 1.0) {
+  RobotSession session;
+  session.robot = robot;
+  session.session = SessionNumber{static_cast<std::uint32_t>(start_s)};
+  session.start_stamp = at(start_s);
+  session.localizer = "localizer";
+  session.incarnation = Incarnation{3};
+  return session;
+}
+
+Submap submap_of(const RobotSession& session, std::uint32_t number) {
+  Submap submap;
+  submap.robot = session.robot;
+  submap.session = session.session;
+  submap.incarnation = session.incarnation;
+  submap.number = SampleNumber{number};
+  submap.keyframes.emplace_back().id = KeyframeId{number};
+  return submap;
+}
+
+class SessionProtocolTest : public testing::Test {
+ protected:
+  std::size_t sent_answers(double s) {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        protocol_.outgoing(at(s), 0.0, report_),
+        [](const auto& outgoing) { return outgoing.message.topic == Topic::kLocalization; }));
+  }
+  static SessionProtocol::Config config() {
+    return {.max_sessions = 2,
+            .idle_session_s = 120.0,
+            .session_request_interval_s = 1.0,
+            .status_interval_s = 1.0,
+            .retransmission = {.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.3},
+            .sessions = {.settling_s = 5.0, .silence_s = 20.0, .max_robots = 10}};
+  }
+
+  SessionProtocol protocol_{
+      {.name = "localizer", .incarnation = Incarnation{3}, .map_hash = MapHash{}}, config()};
+  PoolReport report_{2};
+};
+
+TEST_F(SessionProtocolTest, ASessionIsOpenedOnceAndReplacedByALaterOne) {
+  EXPECT_EQ(protocol_.announced(session_of("a"), at(0)), Change::kOpened);
+  EXPECT_EQ(protocol_.announced(session_of("a"), at(1)), Change::kNone);
+  EXPECT_EQ(protocol_.announced(session_of("a", 2.0), at(2)), Change::kReplaced);
+  EXPECT_EQ(protocol_.announced(session_of("a", 1.0), at(3)).error(),
+            PoolRefusal::kOutdatedSession);
+  EXPECT_EQ(protocol_.announced(session_of("a", 1.0), at(9)).error(),
+            PoolRefusal::kConflictingSession);
+}
+
+TEST_F(SessionProtocolTest, ANewStartCountsUntilTheRobotIsLocalized) {
+  RobotSession session = session_of("a");
+  protocol_.announced(session, at(0)).value();
+  session.start = MapOdomEstimate{};
+  EXPECT_EQ(protocol_.announced(session, at(1)), Change::kNewStart);
+  EXPECT_EQ(protocol_.announced(session, at(2)), Change::kNone) << "the same one";
+  LocalizationResult answer;
+  answer.status = LocalizationStatus::kLocalized;
+  protocol_.answer("a", answer, std::nullopt);
+  session.start->p_odom.x() = 1.0;
+  EXPECT_EQ(protocol_.announced(session, at(3)), Change::kNone);
+}
+
+TEST_F(SessionProtocolTest, ARobotThatGoesElsewhereLeavesOnlyIfItWasHere) {
+  RobotSession elsewhere = session_of("a");
+  elsewhere.localizer = "other";
+  EXPECT_EQ(protocol_.announced(elsewhere, at(0)), Change::kNone);
+  protocol_.announced(session_of("a"), at(1)).value();
+  EXPECT_EQ(protocol_.announced(elsewhere, at(2)), Change::kLeft);
+}
+
+TEST_F(SessionProtocolTest, RefusesMoreSessionsThanItMayHave) {
+  protocol_.announced(session_of("a"), at(0)).value();
+  protocol_.announced(session_of("b"), at(0)).value();
+  EXPECT_EQ(protocol_.announced(session_of("c"), at(0)).error(), PoolRefusal::kTooManySessions);
+  EXPECT_FALSE(protocol_.submap(submap_of(session_of("c"), 0), at(0)).has_value());
+  EXPECT_EQ(sent_answers(0.1), 0) << "it is not asked for a session that would not be taken";
+}
+
+TEST_F(SessionProtocolTest, TakesEachSubmapOfTheSessionOnce) {
+  const RobotSession session = session_of("a");
+  EXPECT_EQ(protocol_.submap(submap_of(session, 0), at(0)).error(), PoolRefusal::kUnknownSession);
+  EXPECT_EQ(sent_answers(0.1), 1) << "it is asked for its session";
+  protocol_.announced(session, at(1)).value();
+  EXPECT_TRUE(protocol_.submap(submap_of(session, 1), at(1)).has_value());
+  EXPECT_EQ(protocol_.submap(submap_of(session, 1), at(1)).error(), PoolRefusal::kSeenBefore);
+  Submap earlier = submap_of(session, 2);
+  earlier.incarnation = Incarnation{2};
+  EXPECT_EQ(protocol_.submap(earlier, at(1)).error(), PoolRefusal::kOtherIncarnation);
+}
+
+TEST_F(SessionProtocolTest, ARobotIsIdleOnceItIsSilent) {
+  const RobotSession session = session_of("a");
+  protocol_.announced(session, at(0)).value();
+  EXPECT_TRUE(protocol_.idle(at(119)).empty());
+  EXPECT_EQ(protocol_.idle(at(121)).size(), 1);
+  RobotStatus status;
+  status.robot = "a";
+  status.session = session.session;
+  status.start_stamp = session.start_stamp;
+  EXPECT_TRUE(protocol_.status(status, at(121)).has_value());
+  EXPECT_TRUE(protocol_.idle(at(122)).empty());
+  EXPECT_EQ(protocol_.end("a"), at(121));
+  EXPECT_EQ(protocol_.take_departed().size(), 1);
+  EXPECT_EQ(protocol_.status(status, at(123)).error(), PoolRefusal::kUnknownSession);
+}
+
+}  // namespace
+}  // namespace fleetloc
