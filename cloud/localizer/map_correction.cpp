@@ -9,14 +9,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "shared/geometry/so3.hpp"
+#include "cloud/localizer/relative_covariance.hpp"
 
 namespace fleetloc {
 namespace {
 
 constexpr double kFarthestMetres = 60.0;  // from the anchor: the range of the wire format
-
-using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 struct Candidate {
   const WindowSystem::Landmark* landmark = nullptr;
@@ -71,27 +69,9 @@ std::vector<const WindowSystem::Landmark*> candidates(const WindowSystem& system
   return result;
 }
 
-// Covariances of the poses from keyframe `first` on, right perturbations.
-class Covariance {
- public:
-  Covariance(Eigen::MatrixXd covariance, int first)
-      : covariance_(std::move(covariance)), first_(first) {}
-
-  [[nodiscard]] Matrix6d block(int a, int b) const { return covariance_.block<6, 6>(at(a), at(b)); }
-  [[nodiscard]] Eigen::Index at(int keyframe) const {
-    return Eigen::Index{6} * (keyframe - first_);
-  }
-  [[nodiscard]] Eigen::Index size() const { return covariance_.rows(); }
-  [[nodiscard]] const Eigen::MatrixXd& matrix() const { return covariance_; }
-
- private:
-  Eigen::MatrixXd covariance_;
-  int first_;
-};
-
 // The robot's system has no absolute pose (gauge freedom): the newest keyframe is fixed, which does
 // not change relative quantities.
-std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int first) {
+std::optional<PoseCovariances> covariance_of_robot(const WindowSystem& system, int first) {
   const Eigen::Index held = system.H_robot.rows() - 6;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(system.H_robot.topLeftCorner(held, held));
   if (cholesky.info() != Eigen::Success) return std::nullopt;
@@ -99,44 +79,15 @@ std::optional<Covariance> covariance_of_robot(const WindowSystem& system, int fi
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(size + 6, size + 6);
   covariance.topLeftCorner(size, size) = last_of_inverse(cholesky, size);
   if (!covariance.allFinite()) return std::nullopt;
-  return Covariance(std::move(covariance), first);
+  return PoseCovariances(std::move(covariance), first);
 }
 
-std::optional<Covariance> covariance_with_map(const WindowSystem& system, int first) {
+std::optional<PoseCovariances> covariance_with_map(const WindowSystem& system, int first) {
   if (system.cholesky.info() != Eigen::Success) return std::nullopt;
   Eigen::MatrixXd covariance =
       last_of_inverse(system.cholesky, system.H_robot.rows() - Eigen::Index{6} * first);
   if (!covariance.allFinite()) return std::nullopt;
-  return Covariance(std::move(covariance), first);
-}
-
-// The perturbation of T_a_b is d_b - A d_a.
-Matrix6d relative_covariance(const Covariance& poses, int a, int b, const Matrix6d& A) {
-  const Matrix6d cross = A * poses.block(a, b);
-  return poses.block(b, b) - cross - cross.transpose() + A * poses.block(a, a) * A.transpose();
-}
-
-// Of p_anchor = T_map_anchor^-1 * p_map. Given the poses, p_map has the information `H`.
-Eigen::Matrix3d landmark_covariance(const Covariance& poses,
-                                    const WindowSystem::Landmark& landmark,
-                                    const Eigen::Matrix3d& H,
-                                    const Pose& T_map_anchor) {
-  const Eigen::Matrix3d R_anchor_map = T_map_anchor.R.toRotationMatrix().transpose();
-  const Eigen::Matrix3d own = R_anchor_map * H.inverse();
-  Eigen::Index begin = poses.size() - 6;  // the observers, mostly without gaps, and the anchor
-  for (const auto& seen : landmark.equations.couplings) {
-    begin = std::min(begin, poses.at(seen.kept));
-  }
-  Rows3 J = Rows3::Zero(3, poses.size() - begin);
-  for (const auto& seen : landmark.equations.couplings) {
-    J.middleCols<6>(poses.at(seen.kept) - begin).noalias() -= own * seen.H.transpose();
-  }
-  const Eigen::Vector3d p_anchor = inverse(T_map_anchor) * landmark.p_map;
-  J.rightCols<6>().leftCols<3>() += hat(p_anchor);
-  J.rightCols<3>() -= Eigen::Matrix3d::Identity();
-  const Rows3 spread = J * poses.matrix().bottomRightCorner(J.cols(), J.cols());
-  const Eigen::Matrix3d covariance = spread * J.transpose() + own * R_anchor_map.transpose();
-  return 0.5 * (covariance + covariance.transpose());
+  return PoseCovariances(std::move(covariance), first);
 }
 
 // What `covariances` gained, with inflation and floors. In units of the floors the covariance along
@@ -182,20 +133,19 @@ std::optional<RelativeMarginals> relative_marginals(const WindowSystem& system,
   for (int to = first + 1; to < count; ++to) {
     const auto index = static_cast<std::size_t>(to);
     const Pose T = inverse(system.T_map_body[index - 1]) * system.T_map_body[index];
-    const Matrix6d A = adjoint(inverse(T));
     result.relative_poses.push_back({system.keyframes[index - 1],
                                      system.keyframes[index],
                                      T,
-                                     {relative_covariance(*without_map, to - 1, to, A),
-                                      relative_covariance(*with_map, to - 1, to, A)}});
+                                     {without_map->of_relative_pose(to - 1, to, T),
+                                      with_map->of_relative_pose(to - 1, to, T)}});
   }
   const Pose& T_map_anchor = system.T_map_body.back();
   for (const auto* landmark : landmarks) {
     result.landmarks.push_back(
         {landmark->id,
          inverse(T_map_anchor) * landmark->p_map,
-         {landmark_covariance(*without_map, *landmark, landmark->H_robot, T_map_anchor),
-          landmark_covariance(*with_map, *landmark, landmark->equations.H, T_map_anchor)}});
+         {without_map->of_anchored_landmark(*landmark, landmark->H_robot, T_map_anchor),
+          with_map->of_anchored_landmark(*landmark, landmark->equations.H, T_map_anchor)}});
   }
   return result;
 }
