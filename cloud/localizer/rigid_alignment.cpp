@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "cloud/localizer/degeneracy.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {

@@ -5,7 +5,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/map_association.hpp"
-#include "cloud/localizer/pose_anchor.hpp"
+#include "cloud/localizer/pose_with_covariance.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {

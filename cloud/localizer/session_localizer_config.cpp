@@ -14,26 +14,8 @@ SessionLocalizer::Rounds read_rounds(ConfigReader section) {
           .settled_m = section.positive("settled_m")};
 }
 
-SessionLocalizer::Acceptance read_acceptance(ConfigReader section) {
-  return {.min_keyframes = section.integer("min_keyframes", 1, 1000),
-          .min_matches = section.integer("min_matches", 3, 10000),
-          .min_covered_share = section.positive("min_covered_share"),
-          .min_agreement = section.number("min_agreement", 0.0, 1.0),
-          .confident_agreement = section.number("confident_agreement", 0.0, 1.0),
-          .confident_matches = section.integer("confident_matches", 0, 10000),
-          .confident_balance = section.number("confident_balance", -2.0, 1.0),
-          .max_below_ground_share = section.number("max_below_ground_share", 0.0, 1.0),
-          .max_median_residual = section.positive("max_median_residual"),
-          .innovation_gate_sigmas = section.positive("innovation_gate_sigmas"),
-          .innovation_floor_m = section.positive("innovation_floor_m"),
-          .innovation_floor_rad = section.positive("innovation_floor_rad"),
-          .innovation_gate_growth = section.positive("innovation_gate_growth"),
-          .max_weak_sigma_m = section.positive("max_weak_sigma_m")};
-}
-
 SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader section) {
-  return {.scale = section.positive("scale"),
-          .floor_m = section.positive("floor_m"),
+  return {.floor_m = section.positive("floor_m"),
           .floor_rad = section.positive("floor_rad"),
           .min_prior_sigma_m = section.positive("min_prior_sigma_m")};
 }
@@ -49,7 +31,7 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
       .degeneracy = read_degeneracy_config(section.section("degeneracy")),
       .drift = read_drift_config(section.section("drift")),
       .rounds = read_rounds(section.section("rounds")),
-      .acceptance = read_acceptance(section.section("acceptance")),
+      .acceptance = read_acceptance_config(section.section("acceptance")),
       .confirmation = read_start_confirmation_config(section.section("confirmation")),
       .covariance_inflation = read_covariance_inflation(section.section("covariance_inflation")),
       .corrections = read_correction_config(section.section("corrections"))};

@@ -7,10 +7,11 @@
 #include <Eigen/LU>
 #include <gmock/gmock.h>
 
+#include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/map_association.hpp"
-#include "cloud/localizer/pose_anchor.hpp"
 #include "cloud/localizer/tilt_factor.hpp"
+#include "cloud/localizer/weak_directions.hpp"
 #include "shared/core/counter_random.hpp"
 #include "shared/geometry/so3.hpp"
 #include "simulated_session.hpp"
@@ -117,26 +118,43 @@ TEST(MapConstraint, CountsAnUncertainLandmarkLess) {
   EXPECT_GT(analyze_map_constraint(matches, config).sigmas_m(5), 20.0 * before);
 }
 
-TEST(PoseAnchor, HoldsWeakDirectionsOnlyAndNeverClaimsToKnowThemBetter) {
-  const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
-  Eigen::Matrix<double, 6, Eigen::Dynamic> weak(6, 2);
-  weak << Vector6d::Unit(3), Vector6d::Unit(2);
-  const Matrix6d J_body_motion = motion.J_body_motion(kPose);
+TEST(WeakDirections, AreHeldAloneAndNeverClaimedToBeKnownBetter) {
+  MapConstraint constraint{.motion = {{0.5, 1.5, -1.0}, 2.5}};
+  constraint.weak.resize(6, 2);
+  constraint.weak << Vector6d::Unit(3), Vector6d::Unit(2);
+  const Matrix6d J_body_motion = constraint.motion.J_body_motion(kPose);
   const Matrix6d wide = 0.04 * Matrix6d::Identity();
   const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
 
-  const Matrix6d information = information_along(weak, motion, {kPose, wide}, 1e-6);
+  const Matrix6d information = information_along(constraint, {kPose, wide}, 1e-6);
   EXPECT_LT((information * J_body_motion.col(0)).norm(), 1e-9);
   EXPECT_LT((information * J_body_motion.col(5)).norm(), 1e-9);
   EXPECT_GT(J_body_motion.col(3).dot(information * J_body_motion.col(3)), 1.0);
 
   const Matrix6d W = J_body_motion.inverse();
   const Matrix6d expected = W * wide * W.transpose();
-  const Matrix6d widened = W * widened_along(weak, motion, {kPose, narrow}, wide) * W.transpose();
+  const Matrix6d widened = W * widened_along(constraint, {kPose, narrow}, wide) * W.transpose();
   EXPECT_NEAR(widened(3, 3), expected(3, 3), 1e-9);
   EXPECT_NEAR(widened(2, 2), expected(2, 2), 1e-9);
   EXPECT_NEAR(widened(4, 4), (W * narrow * W.transpose())(4, 4), 1e-9);
-  EXPECT_TRUE(widened_along(weak, motion, {kPose, wide}, narrow).isApprox(wide));
+  EXPECT_NEAR(
+      weak_sigma(constraint, {kPose, narrow}),
+      std::sqrt(std::max((W * narrow * W.transpose())(3, 3), (W * narrow * W.transpose())(2, 2))),
+      1e-9);
+  EXPECT_TRUE(widened_along(constraint, {kPose, wide}, narrow).isApprox(wide));
+}
+
+// At the first window that the map no longer constrains, the pose before is known to millimetres.
+TEST(WeakDirections, AreNotHeldTighterThanTheMapHoldsWhatIsNotWeak) {
+  const SessionLocalizer::Config config = localizer_config();
+  MapConstraint constraint;
+  constraint.weak.resize(6, 1);
+  constraint.weak << Vector6d::Unit(3);
+  const PoseWithCovariance before{Pose{}, diagonal_covariance(0.0005, 0.003)};
+  const Matrix6d information =
+      information_along(constraint, before, config.covariance_inflation.min_prior_sigma_m);
+  EXPECT_GT(information(3, 3), 0.9 * std::pow(config.degeneracy.weak_sigma_m, -2));
+  EXPECT_LT(information(3, 3), std::pow(config.degeneracy.weak_sigma_m, -2));
 }
 
 TEST(PoseAnchor, LosesItsWayWithThePathAndNotOnlyWithTheDistanceFromWhereItWas) {

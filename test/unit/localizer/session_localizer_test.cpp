@@ -252,12 +252,19 @@ bool is_corridor(const Eigen::Vector3d& p_map) {
   return is_side && std::abs(p_map.x()) < 4.6;
 }
 
-TEST(SessionLocalizer, HoldsACorridorsDirectionByOdometryAndSaysSo) {
+std::shared_ptr<const LaserMap> corridor_map() {
   std::vector<Eigen::Vector3d> points = SimulatedRun({}).surface_points(0.06);
   std::erase_if(points, [](const Eigen::Vector3d& p_map) { return !is_corridor(p_map); });
-  const auto map = std::make_shared<const LaserMap>(map_of(points, 0.01, 2));
-  const SimulatedSession robot({.seed = 9, .features_per_keyframe = 200, .is_wanted = is_corridor});
-  SessionLocalizer localizer(robot.session(), map, localizer_config());
+  return std::make_shared<const LaserMap>(map_of(points, 0.01, 2));
+}
+
+SimulatedSession robot_in_corridor() {
+  return SimulatedSession({.seed = 9, .features_per_keyframe = 200, .is_wanted = is_corridor});
+}
+
+TEST(SessionLocalizer, HoldsACorridorsDirectionByOdometryAndSaysSo) {
+  const SimulatedSession robot = robot_in_corridor();
+  SessionLocalizer localizer(robot.session(), corridor_map(), localizer_config());
   double along_before = 0.0;
   for (int i = 0; i < 60; ++i) {
     localizer.add(robot.submap(i));
@@ -277,6 +284,15 @@ TEST(SessionLocalizer, HoldsACorridorsDirectionByOdometryAndSaysSo) {
     EXPECT_LT(nees(answer, robot.truth(i)) / 6.0, 3.0) << "keyframe " << i;
     along_before = along;
   }
+}
+
+TEST(SessionLocalizer, DoesNotSayWhereItIsInACorridorThatItEnteredWithoutKnowing) {
+  const SimulatedSession robot = robot_in_corridor();
+  RobotSession session = robot.session();
+  session.start->covariance.diagonal().tail<3>().setConstant(1.5 * 1.5);
+  SessionLocalizer localizer(session, corridor_map(), localizer_config());
+  EXPECT_EQ(name(run(localizer, robot, 0, 12, 1).status), name(kDegenerate));
+  EXPECT_EQ(localizer.diagnostics().rejection, Rejection::kWeak);
 }
 
 }  // namespace

@@ -1,26 +1,29 @@
-#include "cloud/localizer/start_confirmation.hpp"
-
 #include <gtest/gtest.h>
 
+#include "cloud/localizer/acceptance.hpp"
 #include "shared/geometry/so3.hpp"
+#include "simulated_session.hpp"
 
 namespace fleetloc {
 namespace {
 
-constexpr StartConfirmation::Config kConfig{.path_m = 15.0, .tolerance_m = 0.2};
+// The values that ship: 15 m within 0.2 m.
+StartConfirmation session() {
+  return StartConfirmation(localizer_config().confirmation);
+}
 
 Pose at(double x, double y) {
   return {Eigen::Quaterniond::Identity(), {x, y, 0.0}};
 }
 
 TEST(StartConfirmation, IsImmediateWhereTheMapAgrees) {
-  StartConfirmation start(kConfig);
+  StartConfirmation start = session();
   EXPECT_TRUE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, true));
   EXPECT_TRUE(start.take(at(8.0, 5.0), at(1.0, 0.0), 1.0, false)) << "and final";
 }
 
 TEST(StartConfirmation, TakesAPathWhereTheMapHardlyAgrees) {
-  StartConfirmation start(kConfig);
+  StartConfirmation start = session();
   for (int metre = 0; metre < 15; ++metre) {
     const double x = metre;
     EXPECT_FALSE(start.take(at(7.0 + x, 0.1), at(x, 0.0), x, false)) << x;
@@ -29,12 +32,12 @@ TEST(StartConfirmation, TakesAPathWhereTheMapHardlyAgrees) {
 }
 
 TEST(StartConfirmation, NeverComesToARobotThatStands) {
-  StartConfirmation start(kConfig);
+  StartConfirmation start = session();
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, false));
 }
 
 TEST(StartConfirmation, BeginsAnewWhenThePlaceMoves) {
-  StartConfirmation start(kConfig);
+  StartConfirmation start = session();
   EXPECT_FALSE(start.take(at(7.0, 0.0), at(0.0, 0.0), 0.0, false));
   EXPECT_FALSE(start.take(at(17.0, 0.0), at(10.0, 0.0), 10.0, false));
   EXPECT_FALSE(start.take(at(23.0, 0.3), at(16.0, 0.0), 16.0, false)) << "moved by 0.3 m";
@@ -44,7 +47,7 @@ TEST(StartConfirmation, BeginsAnewWhenThePlaceMoves) {
 
 // A wrong heading is a place that moves as the robot drives on.
 TEST(StartConfirmation, BeginsAnewWhenTheHeadingWasWrong) {
-  StartConfirmation start(kConfig);
+  StartConfirmation start = session();
   const Pose T_map_odom{exp_so3({0.0, 0.0, 0.05}), Eigen::Vector3d::Zero()};
   EXPECT_FALSE(start.take(T_map_odom * at(0.0, 0.0), at(0.0, 0.0), 0.0, false));
   EXPECT_FALSE(start.take(at(15.0, 0.0), at(15.0, 0.0), 15.0, false)) << "0.75 m beside";

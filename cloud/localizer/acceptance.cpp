@@ -1,0 +1,134 @@
+#include "cloud/localizer/acceptance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace fleetloc {
+
+using enum Rejection;
+
+Acceptance::Verdict Acceptance::check_window(bool has_start_pose, std::size_t keyframes) const {
+  if (!has_start_pose) return unexpected(kNoStartPose);
+  if (keyframes < static_cast<std::size_t>(config_.min_keyframes)) {
+    return unexpected(kTooFewKeyframes);
+  }
+  return {};
+}
+
+Acceptance::Verdict Acceptance::check_matches(const Association& association) const {
+  const auto min_covered =
+      static_cast<int>(std::ceil(config_.min_covered_share * association.eligible));
+  if (association.covered < std::max(config_.min_matches, min_covered)) {
+    return unexpected(kNotCovered);
+  }
+  if (static_cast<int>(association.matches.size()) < config_.min_matches) {
+    return unexpected(kTooFewMatches);
+  }
+  if (association.informative_matches() <
+      config_.min_agreement * association.informative_landmarks()) {
+    return unexpected(kDisagreement);
+  }
+  return {};
+}
+
+Acceptance::Verdict Acceptance::check_fit(const MapFit& fit, bool is_start) {
+  if (const Verdict matched = check_matches(fit.association); !matched) return matched;
+  if (!fit.is_solved) return unexpected(kNotSolved);
+  if (fit.median_residual > config_.max_median_residual) return unexpected(kPoorFit);
+  if (is_below_ground(fit.association)) return unexpected(kBelowGround);
+  if (!(fit.innovation_sigmas <= innovation_gate())) {
+    if (!is_start) ++refused_in_a_row_;
+    return unexpected(kInnovation);
+  }
+  return {};
+}
+
+// Snow and leaves raise the ground that most landmarks are on, but nothing lowers it: in a window
+// that was aligned to the snow, landmarks of cleared paths are below ground.
+bool Acceptance::is_below_ground(const Association& association) const {
+  const int ground = association.level + association.below_ground;
+  return association.below_ground > config_.max_below_ground_share * ground;
+}
+
+double Acceptance::innovation_sigmas(const PoseWithCovariance& predicted,
+                                     const Pose& T_map_body) const {
+  const Matrix6d covariance =
+      predicted.covariance +
+      diagonal_covariance(config_.innovation_floor_rad, config_.innovation_floor_m);
+  const Vector6d moved = local_coordinates(predicted.T_map_body, T_map_body);
+  return std::sqrt(moved.dot(covariance.ldlt().solve(moved)));
+}
+
+// Grows with each rejection, so that no pose is locked out for ever.
+double Acceptance::innovation_gate() const {
+  return config_.innovation_gate_sigmas *
+         (1.0 + config_.innovation_gate_growth * refused_in_a_row_);
+}
+
+Acceptance::Verdict Acceptance::check_certainty(
+    const std::optional<AnswerCovariance>& stated) const {
+  if (!stated) return unexpected(kSingular);
+  if (!(stated->weak_sigma_m <= config_.max_weak_sigma_m)) return unexpected(kWeak);
+  return {};
+}
+
+Acceptance::Verdict Acceptance::confirm(const MapFit& fit,
+                                        const Pose& T_odom_body,
+                                        double travelled_m) {
+  const bool is_sure = is_confident(fit.association);
+  if (!start_.take(fit.T_map_body, T_odom_body, travelled_m, is_sure)) {
+    return unexpected(kUnconfirmed);
+  }
+  refused_in_a_row_ = 0;
+  return {};
+}
+
+// A wrong pose often has matches, but also landmarks off the map or occluded by it.
+bool Acceptance::is_confident(const Association& association) const {
+  const auto matched = static_cast<double>(association.matches.size());
+  const int against = association.eligible - association.covered + 2 * association.occluded;
+  return matched - against >= config_.confident_balance * association.eligible &&
+         association.informative_matches() >= config_.confident_matches &&
+         association.informative_matches() >=
+             config_.confident_agreement * association.informative_landmarks();
+}
+
+bool StartConfirmation::take(const Pose& T_map_body,
+                             const Pose& T_odom_body,
+                             double travelled_m,
+                             bool is_confident) {
+  if (confirmed_) return true;
+  const bool stays =
+      candidate_ &&
+      ((candidate_->T_map_odom * T_odom_body).p - T_map_body.p).norm() <= config_.tolerance_m;
+  last_T_map_odom_ = T_map_body * inverse(T_odom_body);
+  if (!stays) candidate_ = {*last_T_map_odom_, travelled_m};
+  confirmed_ = is_confident || travelled_m - candidate_->travelled_m >= config_.path_m;
+  if (confirmed_) last_T_map_odom_.reset();
+  return confirmed_;
+}
+
+Acceptance::Config read_acceptance_config(ConfigReader section) {
+  return {.min_keyframes = section.integer("min_keyframes", 1, 1000),
+          .min_matches = section.integer("min_matches", 3, 10000),
+          .min_covered_share = section.positive("min_covered_share"),
+          .min_agreement = section.number("min_agreement", 0.0, 1.0),
+          .max_below_ground_share = section.number("max_below_ground_share", 0.0, 1.0),
+          .max_median_residual = section.positive("max_median_residual"),
+          .innovation_gate_sigmas = section.positive("innovation_gate_sigmas"),
+          .innovation_floor_m = section.positive("innovation_floor_m"),
+          .innovation_floor_rad = section.positive("innovation_floor_rad"),
+          .innovation_gate_growth = section.positive("innovation_gate_growth"),
+          .max_weak_sigma_m = section.positive("max_weak_sigma_m"),
+          .confident_agreement = section.number("confident_agreement", 0.0, 1.0),
+          .confident_matches = section.integer("confident_matches", 0, 10000),
+          .confident_balance = section.number("confident_balance", -2.0, 1.0)};
+}
+
+StartConfirmation::Config read_start_confirmation_config(ConfigReader section) {
+  return {.path_m = section.positive("path_m"), .tolerance_m = section.positive("tolerance_m")};
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "cloud/localizer/answer_covariance.hpp"
+#include "cloud/localizer/map_fit.hpp"
+#include "cloud/localizer/pose_with_covariance.hpp"
+#include "cloud/localizer/rejection.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/core/expected.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// Accepts the first localization of a session only once it is confirmed. In a scene that has
+/// changed a lot, a wrong pose may have enough matches by chance; but as the robot drives on and
+/// observes other structure, a wrong T_map_odom changes and the right one stays.
+class StartConfirmation {
+ public:
+  struct Config {
+    double path_m;       ///< over which T_map_odom must stay
+    double tolerance_m;  ///< of the position, within which it stays
+  };
+
+  explicit StartConfirmation(const Config& config) : config_(config) {}
+
+  /// Takes the session's next solution, in the order of its keyframes.
+  /// @param travelled_m  by the odometry until then
+  /// @param is_confident      the solution needs no confirmation
+  /// @return whether this solution and those that follow are accepted
+  bool take(const Pose& T_map_body, const Pose& T_odom_body, double travelled_m, bool is_confident);
+
+  /// Of the last solution; nothing once the session is confirmed.
+  [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }
+
+ private:
+  struct Candidate {
+    Pose T_map_odom;
+    double travelled_m;
+  };
+
+  Config config_;
+  bool confirmed_ = false;
+  std::optional<Candidate> candidate_;
+  std::optional<Pose> last_T_map_odom_;
+};
+
+/// Decides whether a localization becomes an answer, and names the reason if it does not. All
+/// thresholds are here; cloud/README.md lists what each protects from, and the test that fails
+/// without it. The checks stand in the order of the stages that they follow.
+///
+/// Remembers what the earlier decisions of its session were.
+class Acceptance {
+ public:
+  struct Config {
+    int min_keyframes;
+    int min_matches;
+    double min_covered_share;       ///< of the eligible landmarks
+    double min_agreement;           ///< matched share of the landmarks that are not on the ground
+    double max_below_ground_share;  ///< of the landmarks on or under level ground
+    double max_median_residual;     ///< of the matches, in standard deviations
+    double innovation_gate_sigmas;  ///< from what odometry predicts
+    double innovation_floor_m;      ///< added to the sigmas of that prediction
+    double innovation_floor_rad;
+    double innovation_gate_growth;  ///< relative, with each answer in a row that it alone rejects
+    double max_weak_sigma_m;        ///< of the answer, along weak directions
+    /// A first localization needs no confirmation if the matched share of the landmarks off the
+    /// ground is at least this,
+    double confident_agreement;
+    int confident_matches;     ///< by at least this many matches, and
+    double confident_balance;  ///< (matched - unmapped - 2 occluded) / eligible at least this
+  };
+  using Verdict = expected<void, Rejection>;
+
+  Acceptance(const Config& config, const StartConfirmation::Config& confirmation)
+      : config_(config), start_(confirmation) {}
+
+  /// Whether there is enough to begin with.
+  [[nodiscard]] Verdict check_window(bool has_start_pose, std::size_t keyframes) const;
+
+  /// After each association: whether the map speaks for the window at all.
+  [[nodiscard]] Verdict check_matches(const Association& association) const;
+
+  /// Mahalanobis distance of a pose from what the odometry predicts, with the floors added to that
+  /// prediction's covariance.
+  [[nodiscard]] double innovation_sigmas(const PoseWithCovariance& predicted,
+                                         const Pose& T_map_body) const;
+
+  /// After the rounds: whether this is the place.
+  /// @param is_start  nothing was localized before
+  Verdict check_fit(const MapFit& fit, bool is_start);
+
+  /// Whether it can be said well enough where in that place the robot is.
+  [[nodiscard]] Verdict check_certainty(const std::optional<AnswerCovariance>& stated) const;
+
+  /// At last, whether the session's first place is the right one; see StartConfirmation.
+  /// @param travelled_m  by the odometry until then
+  Verdict confirm(const MapFit& fit, const Pose& T_odom_body, double travelled_m);
+
+  /// By the last solution, while the session's first place is unconfirmed.
+  [[nodiscard]] const std::optional<Pose>& unconfirmed_T_map_odom() const {
+    return start_.last_T_map_odom();
+  }
+
+ private:
+  [[nodiscard]] bool is_below_ground(const Association& association) const;
+  [[nodiscard]] double innovation_gate() const;
+  [[nodiscard]] bool is_confident(const Association& association) const;
+
+  Config config_;
+  int refused_in_a_row_ = 0;  // by the innovation gate alone
+  StartConfirmation start_;
+};
+
+Acceptance::Config read_acceptance_config(ConfigReader section);
+StartConfirmation::Config read_start_confirmation_config(ConfigReader section);
+
+}  // namespace fleetloc

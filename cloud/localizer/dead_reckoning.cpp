@@ -1,0 +1,87 @@
+#include "cloud/localizer/dead_reckoning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace fleetloc {
+namespace {
+
+std::optional<PoseAnchor> anchor_at(const std::optional<MapOdomEstimate>& start) {
+  if (!start) return std::nullopt;
+  Pose T_odom_known;
+  T_odom_known.p = start->p_odom;
+  const Matrix6d A = adjoint(inverse(T_odom_known));
+  return PoseAnchor{
+      .keyframe = std::nullopt,
+      .T_odom_body = T_odom_known,
+      .travelled_m = 0.0,
+      .estimate = {start->T_map_odom * T_odom_known, A * start->covariance * A.transpose()}};
+}
+
+}  // namespace
+
+PoseWithCovariance PoseAnchor::at(const Pose& T_odom_later,
+                                  double travelled_m_later,
+                                  const DriftConfig& drift) const {
+  const Pose step = inverse(T_odom_body) * T_odom_later;
+  const Matrix6d A = adjoint(inverse(step));
+  const double distance = std::max(step.p.norm(), std::abs(travelled_m_later - travelled_m));
+  const double rotation = drift.rotation_rad_per_m * distance;
+  const double translation = drift.translation_m_per_m * distance;
+  PoseWithCovariance result{estimate.T_map_body * step, A * estimate.covariance * A.transpose()};
+  result.covariance.diagonal().head<3>().array() += rotation * rotation;
+  result.covariance.diagonal().tail<3>().array() += translation * translation;
+  return result;
+}
+
+DeadReckoning::DeadReckoning(const std::optional<MapOdomEstimate>& start, const DriftConfig& drift)
+    : drift_(drift),
+      anchor_(anchor_at(start)),
+      begin_odom_(anchor_ ? anchor_->T_odom_body.p : Eigen::Vector3d::Zero()) {}
+
+void DeadReckoning::follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes) {
+  for (const auto& [id, keyframe] : keyframes) {
+    const auto next = path_.lower_bound(id);
+    if (next != path_.end() && next->first == id) continue;
+    PathPoint point{.p_odom = keyframe.item.T_odom_body.p, .travelled_m = 0.0};
+    if (next == path_.begin()) {
+      point.travelled_m = (point.p_odom - begin_odom_).norm();
+    } else {
+      const PathPoint& before = std::prev(next)->second;
+      point.travelled_m = before.travelled_m + (point.p_odom - before.p_odom).norm();
+    }
+    path_.emplace_hint(next, id, point);
+  }
+  path_.erase(path_.begin(), path_.lower_bound(keyframes.begin()->first));
+}
+
+void DeadReckoning::restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate) {
+  anchor_ = {.keyframe = localized.id,
+             .T_odom_body = localized.T_odom_body,
+             .travelled_m = travelled_m(localized.id),
+             .estimate = estimate};
+}
+
+Pose DeadReckoning::T_map_odom() const {
+  return anchor_->estimate.T_map_body * inverse(anchor_->T_odom_body);
+}
+
+PoseWithCovariance DeadReckoning::at(const SubmapKeyframe& keyframe) const {
+  return anchor_->at(keyframe.T_odom_body, travelled_m(keyframe.id), drift_);
+}
+
+PosePrior DeadReckoning::prior(const std::vector<KeyframeId>& window,
+                               const SessionDatabase& database) const {
+  if (is_localized() && std::ranges::binary_search(window, *anchor_->keyframe)) {
+    return {*anchor_->keyframe, anchor_->estimate};
+  }
+  return {window.front(), at(database.keyframe(window.front()).item)};
+}
+
+DriftConfig read_drift_config(ConfigReader section) {
+  return {.translation_m_per_m = section.positive("translation_m_per_m"),
+          .rotation_rad_per_m = section.positive("rotation_rad_per_m")};
+}
+
+}  // namespace fleetloc

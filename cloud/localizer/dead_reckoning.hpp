@@ -1,0 +1,88 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cloud/localizer/pose_with_covariance.hpp"
+#include "cloud/localizer/session_database.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/core/ids.hpp"
+#include "shared/geometry/pose.hpp"
+#include "shared/model/session.hpp"
+
+namespace fleetloc {
+
+/// Drift of the robot's odometry: standard deviations per metre travelled.
+struct DriftConfig {
+  double translation_m_per_m;
+  double rotation_rad_per_m;
+};
+
+/// The pose in the map from which odometry is dead-reckoned: the start pose until the session has
+/// been localized, then that of the newest localized keyframe.
+struct PoseAnchor {
+  std::optional<KeyframeId> keyframe;  ///< none: where the start pose was known
+  Pose T_odom_body;          ///< the odometry there, as it was when the keyframe was localized
+  double travelled_m = 0.0;  ///< path length of the odometry until then
+  PoseWithCovariance estimate;
+
+  /// Dead-reckoned to a later (or earlier) pose of the same session, at path length
+  /// `travelled_m_later` [m]. The drift grows with the path length, also around a closed loop.
+  [[nodiscard]] PoseWithCovariance at(const Pose& T_odom_later,
+                                      double travelled_m_later,
+                                      const DriftConfig& drift) const;
+};
+
+/// What is known of one keyframe's pose before the window is matched with the map.
+struct PosePrior {
+  KeyframeId keyframe{};
+  PoseWithCovariance estimate;
+};
+
+/// Where the odometry says that the robot is in the map: the anchor, the path travelled since, and
+/// the drift along it.
+class DeadReckoning {
+ public:
+  /// @param start  of the session; without it there is no anchor
+  DeadReckoning(const std::optional<MapOdomEstimate>& start, const DriftConfig& drift);
+
+  /// Measures the path up to each keyframe that is new, on straight lines between keyframes.
+  void follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes);
+
+  /// From here on the odometry is dead-reckoned from this localized keyframe.
+  void restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate);
+
+  [[nodiscard]] bool has_anchor() const { return anchor_.has_value(); }
+  [[nodiscard]] bool is_localized() const { return anchor_ && anchor_->keyframe; }
+
+  /// What follows needs an anchor.
+  [[nodiscard]] Pose T_map_odom() const;
+  [[nodiscard]] PoseWithCovariance at(const SubmapKeyframe& keyframe) const;
+  /// The anchor itself while it is in the window; before the first localization, or once that
+  /// keyframe has left the window, dead-reckoned to the window's oldest keyframe.
+  [[nodiscard]] PosePrior prior(const std::vector<KeyframeId>& window,
+                                const SessionDatabase& database) const;
+
+  /// Path length up to a keyframe of follow(), from where the start pose was known [m].
+  [[nodiscard]] double travelled_m(KeyframeId keyframe) const {
+    return path_.at(keyframe).travelled_m;
+  }
+
+ private:
+  struct PathPoint {
+    Eigen::Vector3d p_odom;
+    double travelled_m;
+  };
+
+  DriftConfig drift_;
+  std::optional<PoseAnchor> anchor_;
+  const Eigen::Vector3d begin_odom_;      // of the path
+  std::map<KeyframeId, PathPoint> path_;  // at the stored keyframes
+};
+
+DriftConfig read_drift_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,63 @@
+#include "cloud/localizer/rejection.hpp"
+
+namespace fleetloc {
+
+using enum Rejection;
+
+std::string_view name(Rejection rejection) {
+  switch (rejection) {
+    case kNoStartPose:
+      return "no_start_pose";
+    case kTooFewKeyframes:
+      return "too_few_keyframes";
+    case kNotCovered:
+      return "not_covered";
+    case kTooFewMatches:
+      return "too_few_matches";
+    case kDisagreement:
+      return "disagreement";
+    case kNotSolved:
+      return "not_solved";
+    case kPoorFit:
+      return "poor_fit";
+    case kBelowGround:
+      return "below_ground";
+    case kInnovation:
+      return "innovation";
+    case kSingular:
+      return "singular";
+    case kWeak:
+      return "weak";
+    case kUnconfirmed:
+      return "unconfirmed";
+  }
+  return "unknown";
+}
+
+LocalizationStatus status_of(Rejection rejection) {
+  switch (rejection) {
+    case kNoStartPose:
+      return LocalizationStatus::kNoStartPose;
+    case kTooFewKeyframes:
+      return LocalizationStatus::kTooFewKeyframes;
+    case kNotCovered:
+      return LocalizationStatus::kNoMapCoverage;
+    case kTooFewMatches:
+    case kDisagreement:
+      return LocalizationStatus::kTooFewMatches;
+    case kNotSolved:
+    case kInnovation:
+      return LocalizationStatus::kNotConverged;
+    case kPoorFit:
+    case kBelowGround:
+      return LocalizationStatus::kPoorFit;
+    case kSingular:
+    case kWeak:
+      return LocalizationStatus::kDegenerate;
+    case kUnconfirmed:
+      return LocalizationStatus::kUnconfirmed;
+  }
+  return LocalizationStatus::kNotConverged;
+}
+
+}  // namespace fleetloc

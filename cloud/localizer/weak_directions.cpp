@@ -1,0 +1,46 @@
+#include "cloud/localizer/weak_directions.hpp"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace fleetloc {
+namespace {
+
+// Coordinates along the weak directions, by the right perturbation of T_map_body.
+Eigen::MatrixXd weak_by_body(const MapConstraint& constraint, const Pose& T_map_body) {
+  return constraint.weak.transpose() * constraint.motion.J_body_motion(T_map_body).inverse();
+}
+
+}  // namespace
+
+Matrix6d information_along(const MapConstraint& constraint,
+                           const PoseWithCovariance& estimate,
+                           double min_sigma_m) {
+  const Eigen::MatrixXd W = weak_by_body(constraint, estimate.T_map_body);
+  Eigen::MatrixXd covariance = W * estimate.covariance * W.transpose();
+  covariance.diagonal().array() += min_sigma_m * min_sigma_m;
+  const Matrix6d information = W.transpose() * covariance.inverse() * W;
+  return 0.5 * (information + information.transpose());
+}
+
+Matrix6d widened_along(const MapConstraint& constraint,
+                       const PoseWithCovariance& result,
+                       const Matrix6d& min_covariance) {
+  const Eigen::MatrixXd W = weak_by_body(constraint, result.T_map_body);
+  const Eigen::MatrixXd missing = W * (min_covariance - result.covariance) * W.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(missing);
+  const Eigen::MatrixXd U = constraint.motion.J_body_motion(result.T_map_body) * constraint.weak *
+                            eigen.eigenvectors();  // W U = eigenvectors
+  return result.covariance + U * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * U.transpose();
+}
+
+double weak_sigma(const MapConstraint& constraint, const PoseWithCovariance& result) {
+  if (constraint.weak.cols() == 0) return 0.0;
+  const Eigen::MatrixXd W = weak_by_body(constraint, result.T_map_body);
+  const Eigen::MatrixXd covariance = W * result.covariance * W.transpose();
+  return std::sqrt(covariance.diagonal().maxCoeff());
+}
+
+}  // namespace fleetloc

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "cloud/localizer/degeneracy.hpp"
+#include "cloud/localizer/pose_with_covariance.hpp"
+
+namespace fleetloc {
+
+/// Information of a pose prior that holds only the weak directions of `constraint`, with the
+/// covariance of `estimate` plus `min_sigma_m` squared.
+Matrix6d information_along(const MapConstraint& constraint,
+                           const PoseWithCovariance& estimate,
+                           double min_sigma_m);
+
+/// Covariance of `result`, raised along the weak directions to at least `min_covariance`.
+Matrix6d widened_along(const MapConstraint& constraint,
+                       const PoseWithCovariance& result,
+                       const Matrix6d& min_covariance);
+
+/// The largest standard deviation of `result` along a weak direction [m]; zero without any.
+double weak_sigma(const MapConstraint& constraint, const PoseWithCovariance& result);
+
+}  // namespace fleetloc
