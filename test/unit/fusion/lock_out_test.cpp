@@ -120,6 +120,15 @@ TEST_P(LockOut, AnswersThatDisagreeRestartNothing) {
   EXPECT_NEAR(position_error(), 3.0, 0.1);
 }
 
+// So outliers without end take a bounded place. Compare AReplacementKeepsTheStandingOfItsAnswers.
+TEST_P(LockOut, OutliersPushOutTheOldestAlternative) {
+  truth_from("cloud", 5.0);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(answer_from("cloud", 6.0 + i, elsewhere(8.0 + 5.0 * i)).reason, "gated");
+  }
+  EXPECT_EQ(truth_from("cloud", 26.0).reason, "gated");
+}
+
 TEST_P(LockOut, AppliedAnswersInARowEndTheContradiction) {
   for (int i = 0; i < 4; ++i) {
     truth_from("cloud", 5.0 + i);

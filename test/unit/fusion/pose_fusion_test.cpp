@@ -165,6 +165,22 @@ TEST_P(EitherFusion, IsLostWhenTheOdometryFallsSilent) {
   EXPECT_LT(distance(fed.output.T_odom_body, fed.drive.pose(3.0)), 1e-4);
 }
 
+// As along a corridor, or beside one thin pole: a pose to be known, but not to be driven by.
+TEST_P(EitherFusion, IsLostWhileTheAnswerIsUncertainByMetresOrByManyDegrees) {
+  for (const int axis : {2, 3}) {
+    FedFusion fed(config());
+    fed.drive_to(2.0);
+    LocalizationResult uncertain = answer(1.0, true_T_map_odom() * fed.drive.pose(1.0));
+    uncertain.covariance(axis, axis) = axis == 2 ? 0.3 * 0.3 : 3.0 * 3.0;
+    EXPECT_TRUE(fed.fusion.add_answer(uncertain).applied);
+    fed.drive_to(2.1);
+    EXPECT_EQ(fed.output.quality, Quality::kLost) << "axis " << axis;
+    EXPECT_TRUE(fed.answer_at(2.0).applied);
+    fed.drive_to(2.2);
+    EXPECT_EQ(fed.output.quality, Quality::kLocalized) << "axis " << axis;
+  }
+}
+
 TEST_P(EitherFusion, NamesEveryRefusal) {
   FedFusion fed(config());
   EXPECT_EQ(name(fed.answer_at(0.0)), "unknown_stamp");
