@@ -68,6 +68,67 @@ ConfigReader effective(const Program& program, std::optional<int> window) {
   return config;
 }
 
+/// What the command line says that is not an option of the replay as it stands.
+struct Arguments {
+  LinkArguments link;
+  std::string map;
+  std::optional<std::string> initial_pose;
+  std::string faults;
+  std::string encoding = "full";
+  std::string baseline;
+  std::optional<double> duration_s;
+  std::optional<int> window;
+};
+
+void add_link_options(CLI::App& app, LinkArguments& link) {
+  auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
+  app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
+  app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
+  app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
+  app.add_option("--bandwidth", link.bandwidth_bytes_per_s, "[bytes/s]; 0: unlimited")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
+      ->check(CLI::IsMember({"up", "down", "both"}));
+}
+
+void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
+  app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
+  app.add_option("--out", options.out, "run folder, is created")->required();
+  app.add_option("--map", arguments.map, "laser map, made by fleetloc-map");
+  app.add_option("--initial-pose",
+                 arguments.initial_pose,
+                 "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+  app.add_option("--start", options.start_s, "seconds of the recording to skip")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", arguments.duration_s, "seconds of the recording to play")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--window", arguments.window, "keyframes in the cloud's window")
+      ->check(CLI::Range(2, 1000));
+  app.add_option("--encoding", arguments.encoding, "encoding of the submaps")
+      ->check(CLI::IsMember({"full"}));
+  app.add_flag("--align-once",
+               options.align_once,
+               "a control: fuse the first answer and dead-reckon after it");
+  app.add_option("--baseline",
+                 arguments.baseline,
+                 "in place of link and cloud: each submap aligned by itself (icp: PCL's)")
+      ->check(CLI::IsMember({"icp"}));
+  app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
+  app.add_option("--faults", arguments.faults, "YAML: seed, and faults to inject while reading");
+  add_link_options(app, arguments.link);
+}
+
+void complete(ReplayOptions& options, const Arguments& arguments) {
+  if (!arguments.map.empty()) options.map = arguments.map;
+  options.duration_s = arguments.duration_s;
+  if (arguments.initial_pose) options.T_map_body = pose_from_text(*arguments.initial_pose);
+  options.link = link_config(arguments.link);
+  options.icp_baseline = !arguments.baseline.empty();
+  if (!arguments.faults.empty()) {
+    options.faults = read_fault_plan(ConfigReader::from_file(arguments.faults));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -79,57 +140,12 @@ int main(int argc, char** argv) {
         "time. Without --map: odometry only.",
         default_config("everything"));
     ReplayOptions options;
-    LinkArguments link;
-    std::string map;
-    std::string initial_pose;
-    std::string faults;
-    std::string encoding = "full";
-    std::string baseline;
-    double duration = 0.0;
-    int window = 0;
-    CLI::App& app = program.options();
-    app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
-    app.add_option("--out", options.out, "run folder, is created")->required();
-    app.add_option("--map", map, "laser map, made by fleetloc-map");
-    auto* start_pose =
-        app.add_option("--initial-pose",
-                       initial_pose,
-                       "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-    app.add_option("--start", options.start_s, "seconds of the recording to skip")
-        ->check(CLI::NonNegativeNumber);
-    auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
-                        ->check(CLI::PositiveNumber);
-    auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
-    auto* windowed = app.add_option("--window", window, "keyframes in the cloud's window")
-                         ->check(CLI::Range(2, 1000));
-    app.add_option("--encoding", encoding, "encoding of the submaps")
-        ->check(CLI::IsMember({"full"}));
-    app.add_flag("--align-once",
-                 options.align_once,
-                 "a control: fuse the first answer and dead-reckon after it");
-    app.add_option("--baseline",
-                   baseline,
-                   "in place of link and cloud: each submap aligned by itself (icp: PCL's)")
-        ->check(CLI::IsMember({"icp"}));
-    app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
-    app.add_option("--faults", faults, "YAML: seed, and faults to inject while reading");
-    app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
-    app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
-    app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
-    app.add_option("--bandwidth", link.bandwidth_bytes_per_s, "[bytes/s]; 0: unlimited")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
-        ->check(CLI::IsMember({"up", "down", "both"}));
+    Arguments arguments;
+    add_options(program.options(), options, arguments);
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
-      if (!map.empty()) options.map = map;
-      if (limited->count() > 0) options.duration_s = duration;
-      if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
-      options.link = link_config(link);
-      options.icp_baseline = !baseline.empty();
-      if (!faults.empty()) options.faults = read_fault_plan(ConfigReader::from_file(faults));
-      const ConfigReader config =
-          effective(program, windowed->count() > 0 ? std::optional(window) : std::nullopt);
+      complete(options, arguments);
+      const ConfigReader config = effective(program, arguments.window);
       options.config = program.command_line() + config.text();
       return [replay = prepared_replay(options, read_config(config)), termination] {
         replay(termination->token());

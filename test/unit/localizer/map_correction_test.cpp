@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 
 #include "cloud/localizer/window_problem.hpp"
+#include "mean.hpp"
 #include "robot_window.hpp"
 #include "simulated_session.hpp"
 
@@ -29,22 +29,6 @@ void localize_until(SessionLocalizer& localizer, const SimulatedSession& robot, 
       ASSERT_EQ(name(localizer.localize().status), "localized") << "keyframe " << i;
     }
   }
-}
-
-struct Mean {
-  double sum = 0.0;
-  int count = 0;
-  void add(double value) {
-    sum += value;
-    ++count;
-  }
-  [[nodiscard]] double value() const { return sum / count; }
-  [[nodiscard]] double root() const { return std::sqrt(value()); }
-};
-
-template <typename Vector, typename Matrix>
-double nees_of(const Vector& error, const Matrix& covariance) {
-  return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(error.size());
 }
 
 struct Errors {
