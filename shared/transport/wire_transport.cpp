@@ -65,6 +65,9 @@ class Descriptor final : public fdr::ChainingTransportDescriptor {
   std::shared_ptr<WireLink> link_;
 };
 
+/// Calls what observes, selects or delays datagrams, in the order of shared/README.md, "How a
+/// datagram passes". Fast DDS uses one from several threads: those of writers and of events send,
+/// one a socket receives.
 class Transport final : public fdr::ChainingTransport {
  public:
   explicit Transport(const Descriptor& descriptor)
@@ -106,13 +109,16 @@ class Transport final : public fdr::ChainingTransport {
     if (delay_line_) delay_line_->stop();
   }
 
+  /// The destinations that a datagram is sent to: the first two steps.
   fdr::LocatorList useful(rtps::LocatorsIterator& begin,
                           const rtps::LocatorsIterator& end,
                           Clock::time_point now);
+  /// Copies the datagram: the library's buffer is valid in this call only.
   void send_later(rtps::SenderResource* socket,
                   RtpsBytes datagram,
                   const rtps::Locator_t& to,
                   Clock::time_point due);
+  /// What comes behind the emulated link; on the thread of the delay line if there is one.
   void deliver(fdr::TransportReceiverInterface& receiver,
                RtpsBytes datagram,
                const rtps::Locator_t& local,
@@ -132,7 +138,7 @@ class Transport final : public fdr::ChainingTransport {
   Descriptor descriptor_;
   bool has_whitelist_;
   std::shared_ptr<WireLink> link_;
-  RouteCache routes_;
+  RouteCache routes_;  // with each participant anew, so after each change of addresses
   OwnDatagrams own_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses

@@ -1,5 +1,6 @@
 #include "shared/transport/workarounds/peer_address_filter.hpp"
 
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -102,6 +103,17 @@ TEST_F(PeerAddressFilterTest, AreBounded) {
     known_.heard(prefix, i, now_);
     ASSERT_FALSE(known_.is_redundant({i, kPort}, destinations_, now_));
   }
+}
+
+TEST_F(PeerAddressFilterTest, MayBeAskedWhileOthersAreHeardAndAnnounced) {  // for ThreadSanitizer
+  known_.heard(kLocalizer, kNear, now_);
+  const std::jthread hears([&] {
+    for (int i = 0; i < 1000; ++i) known_.heard(kLocalizer, kNear, now_);
+  });
+  const std::jthread announces([&] {
+    for (std::uint32_t i = 0; i < 1000; ++i) known_.announced(kOther, {i, kPort}, now_);
+  });
+  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(is_redundant(kFar));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "shared/transport/workarounds/server_restart_detector.hpp"
 
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "test/transport/rtps_messages.hpp"
@@ -57,6 +59,19 @@ TEST_F(ServerRestartDetectorTest, CountsEachWriterForItself) {
 TEST_F(ServerRestartDetectorTest, WatchesNobodyElse) {
   EXPECT_FALSE(after(seconds(0), 7, kParticipantWriter, kOther));
   EXPECT_FALSE(after(seconds(3), 1, kParticipantWriter, kOther));
+}
+
+TEST_F(ServerRestartDetectorTest, MayBeAskedAndSetWhileOthersObserve) {  // for ThreadSanitizer
+  const Bytes message = message_of({heartbeat(1, 4, 7)}, kServer);
+  const auto observe = [&] {
+    for (int i = 0; i < 1000; ++i) watch_.observe(message, now_);
+  };
+  const std::jthread first(observe);
+  const std::jthread second(observe);
+  for (int i = 0; i < 100; ++i) {
+    watch_.watch({kServer, kOther});
+    EXPECT_FALSE(watch_.has_restarted());
+  }
 }
 
 }  // namespace
