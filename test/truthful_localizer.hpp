@@ -32,6 +32,7 @@ class TruthfulLocalizer final : public MapLocalizer {
     answer.keyframe = newest.id;
     answer.status = LocalizationStatus::kLocalized;
     answer.stamp = newest.stamp;
+    answer.oldest_stamp = submap.keyframes.front().stamp;
     answer.T_map_body = T_map_body_(newest.stamp);
     answer.covariance.diagonal() << 1e-5, 1e-5, 1e-5, 4e-4, 4e-4, 4e-4;
     answers_.push_back(answer);

@@ -151,6 +151,7 @@ LocalizationResult SessionLocalizer::localized(Solution solution,
   diagnostics_ = diagnostics;
   const auto& floors = config_.covariance_inflation;
   LocalizationResult result = answer(LocalizationStatus::kLocalized);
+  result.oldest_stamp = database_.keyframe(database_.window().front()).item.stamp;
   result.T_map_body = solution.newest.T_map_body;
   result.covariance =
       solution.newest.covariance + diagonal_covariance(floors.floor_rad, floors.floor_m);

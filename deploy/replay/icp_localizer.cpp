@@ -80,6 +80,7 @@ LocalizationResult IcpLocalizer::answer_to(const Submap& submap) {
   const IcpResult result = target_.align(landmarks, *T_map_odom_, config_.icp);
   answer.status = judge(result);
   if (answer.status != LocalizationStatus::kLocalized) return answer;
+  answer.oldest_stamp = submap.keyframes.front().stamp;
   T_map_odom_ = result.T_target_source;
   answer.T_map_odom = *T_map_odom_;
   answer.T_map_body = *T_map_odom_ * newest.T_odom_body;

@@ -12,7 +12,7 @@ constexpr std::size_t kMaxHypotheses = 4;
 
 }  // namespace
 
-void HypothesisSupport::add(const LocalizationMeasurement& answer, double window_s) {
+void HypothesisSupport::add(const LocalizationMeasurement& answer) {
   const auto source =
       std::find_if(sources_.begin(), sources_.end(), [&answer](const Source& candidate) {
         return candidate.localizer == answer.localizer &&
@@ -21,7 +21,7 @@ void HypothesisSupport::add(const LocalizationMeasurement& answer, double window
   if (source == sources_.end()) {
     sources_.push_back({answer.localizer, answer.incarnation, answer.stamp});
     ++independent_;
-  } else if (to_seconds(answer.stamp - source->counted) > window_s) {
+  } else if (answer.oldest_stamp > source->counted) {
     source->counted = answer.stamp;
     ++independent_;
   }
@@ -51,12 +51,12 @@ bool AlignmentHypotheses::contradicts(const Hypothesis& hypothesis) const {
 void AlignmentHypotheses::restart(const LocalizationMeasurement& answer) {
   current_support_ =
       hypotheses_.empty() ? HypothesisSupport() : std::move(hypotheses_.back().support);
-  current_support_.add(answer, config_.window_s);
+  current_support_.add(answer);
   hypotheses_.clear();
 }
 
 void AlignmentHypotheses::support(const LocalizationMeasurement& applied) {
-  current_support_.add(applied, config_.window_s);
+  current_support_.add(applied);
   for (Hypothesis& hypothesis : hypotheses_) {
     ++hypothesis.applied_since;
   }
@@ -83,7 +83,7 @@ bool AlignmentHypotheses::add(const LocalizationMeasurement& rejected) {
   chosen.covariance = alignment_covariance(rejected);
   ++chosen.agreeing;
   chosen.applied_since = 0;
-  chosen.support.add(rejected, config_.window_s);
+  chosen.support.add(rejected);
   return chosen.support.independent() >=
          std::min(config_.restart_after, current_support_.independent() + 1);
 }

@@ -12,8 +12,7 @@ namespace fleetloc {
 /// that come from different localizers or incarnations.
 class HypothesisSupport {
  public:
-  /// @param window_s  length of the cloud's window
-  void add(const LocalizationMeasurement& answer, double window_s);
+  void add(const LocalizationMeasurement& answer);
   [[nodiscard]] int independent() const { return independent_; }
 
  private:
@@ -34,7 +33,6 @@ class AlignmentHypotheses {
  public:
   struct Config {
     double gate_chi_square = 0.0;  ///< 6 degrees of freedom
-    double window_s = 0.0;         ///< length of the cloud's window
     int lost_after = 0;            ///< so many agreeing rejected answers contradict the filter; as
                                    ///< many applied ones in a row end that
     int restart_after = 0;         ///< independent answers that replace the filter's alignment,

@@ -20,6 +20,7 @@ LocalizationMeasurement measurement_from(const LocalizationResult& answer,
                                          const LocalizationNoise& noise) {
   LocalizationMeasurement result;
   result.stamp = answer.stamp;
+  result.oldest_stamp = answer.oldest_stamp;
   result.localizer = answer.localizer;
   result.incarnation = answer.incarnation;
   result.map_hash = answer.map_hash;

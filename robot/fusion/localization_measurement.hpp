@@ -26,6 +26,7 @@ struct LocalizationNoise {
 /// unit variance in map axes: an error of the map does not turn with the robot.
 struct LocalizationMeasurement {
   Timestamp stamp;
+  Timestamp oldest_stamp;  ///< where the window of the answer begins; it ends at stamp
   std::string localizer;
   Incarnation incarnation{};
   MapHash map_hash{};

@@ -55,6 +55,7 @@ AnswerOutcome MapAlignment::initialize(const LocalizationMeasurement& answer, An
   update<2>(-tilt.value, H, config_.map_tilt * config_.map_tilt * Eigen::Matrix2d::Identity());
   map_hash_ = answer.map_hash;
   error_stamp_ = answer.stamp;
+  error_oldest_stamp_ = answer.oldest_stamp;
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
@@ -85,21 +86,32 @@ bool MapAlignment::agrees_with_continued(const LocalizationMeasurement& answer) 
   return chi_square(residual, S) <= config_.gate_chi_square;
 }
 
+// Share of the shorter window that is in both: that of an answer, and that of the earlier one that
+// u belongs to. If each keyframe brings an error of its own and an answer has their mean, the
+// answers of n and N >= n keyframes, m of them common, have the covariance sigma^2 m / (n N): m / n
+// times that of the better answer.
+double MapAlignment::shared_window(const LocalizationMeasurement& answer) const {
+  assert(answer.stamp >= error_stamp_);
+  const Duration shared = error_stamp_ - std::max(answer.oldest_stamp, error_oldest_stamp_);
+  const Duration shorter =
+      std::min(answer.stamp - answer.oldest_stamp, error_stamp_ - error_oldest_stamp_);
+  if (shared >= shorter) return 1.0;
+  return std::max(0.0, to_seconds(shared) / to_seconds(shorter));
+}
+
 // Transition of u from the answer that it belongs to, to a later one. Their windows overlap, so the
 // answer with the smaller covariance contains the information of the other: the covariance of their
 // errors is the smaller one (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
 // product of their sigmas. Along common eigenvectors that is the smaller eigenvalue. As one error
 // scaled by two sigmas, it would be observable from the difference of the answers.
 Matrix6d MapAlignment::error_transition(const LocalizationMeasurement& answer) const {
-  const double dt = to_seconds(answer.stamp - error_stamp_);
-  assert(dt >= 0.0);
-  const double faded = std::min(dt / config_.correlation_time_s,
-                                metres_since_error_ / config_.correlation_distance_m);
+  const double correlation = std::max(
+      shared_window(answer), std::exp(-metres_since_error_ / config_.correlation_distance_m));
   const Matrix6d J = error_root_.ldlt().solve(answer.root_map);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(J * J.transpose());
   const Matrix6d shared = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(1.0).asDiagonal() *
                           eigen.eigenvectors().transpose();
-  return std::exp(-faded) * answer.root_map.ldlt().solve(error_root_ * shared);
+  return correlation * answer.root_map.ldlt().solve(error_root_ * shared);
 }
 
 void MapAlignment::age_error(const LocalizationMeasurement& answer) {
@@ -109,6 +121,7 @@ void MapAlignment::age_error(const LocalizationMeasurement& answer) {
   P_.bottomRows<6>() = F * P_.bottomRows<6>().eval();
   P_.bottomRightCorner<6, 6>() += Matrix6d::Identity() - F * F.transpose();
   error_stamp_ = answer.stamp;
+  error_oldest_stamp_ = answer.oldest_stamp;
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
 }
@@ -158,7 +171,6 @@ AnswerOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
 
 MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   MapAlignment::Config config;
-  config.correlation_time_s = section.positive("correlation_time_s");
   config.correlation_distance_m = section.positive("correlation_distance_m");
   config.noise.white_share = section.positive("white_share");
   if (config.noise.white_share > 1.0) {
@@ -170,7 +182,6 @@ MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   config.map_tilt = kRadPerDeg * section.positive("map_tilt_deg");
   config.tilt_gate_chi_square = section.positive("tilt_gate_chi_square");
   config.hypotheses.gate_chi_square = config.gate_chi_square;
-  config.hypotheses.window_s = section.positive("window_s");
   config.hypotheses.lost_after = section.integer("lost_after", 1, 1000);
   config.hypotheses.restart_after = section.integer("restart_after", 1, 1000);
   return config;

@@ -18,9 +18,8 @@ namespace fleetloc {
 class MapAlignment {
  public:
   struct Config {
-    /// Of u: it decays with time or with distance, whichever is slower, so that the answers to a
-    /// robot at rest do not count as independent.
-    double correlation_time_s = 0.0;
+    /// Of u: answers share the errors of their common keyframes, and those of the map along the
+    /// way; whichever is more counts.
     double correlation_distance_m = 0.0;
     double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
     double map_tilt = 0.0;              ///< sigma of roll and pitch of T_map_odom [rad]
@@ -55,6 +54,7 @@ class MapAlignment {
   AnswerOutcome initialize(const LocalizationMeasurement& answer, AnswerEffect effect);
   AnswerOutcome apply_to_continued(const LocalizationMeasurement& answer);
   [[nodiscard]] bool agrees_with_continued(const LocalizationMeasurement& answer) const;
+  [[nodiscard]] double shared_window(const LocalizationMeasurement& answer) const;
   [[nodiscard]] Matrix6d error_transition(const LocalizationMeasurement& answer) const;
   void age_error(const LocalizationMeasurement& answer);
   template <int N>
@@ -66,8 +66,9 @@ class MapAlignment {
   MapHash map_hash_{};
   bool continued_ = false;
   std::optional<Timestamp> last_applied_;
-  Timestamp error_stamp_;                       ///< of u
-  Matrix6d error_root_ = Matrix6d::Identity();  ///< of the answer that u belongs to, in map axes
+  Timestamp error_stamp_;                       ///< of the answer that u belongs to
+  Timestamp error_oldest_stamp_;                ///< where the window of that answer begins
+  Matrix6d error_root_ = Matrix6d::Identity();  ///< of that answer, in map axes
   double metres_since_error_ = 0.0;
   Pose T_map_odom_;
   Vector6d error_ = Vector6d::Zero();  ///< u

@@ -42,8 +42,9 @@ struct LocalizationResult {
   Acknowledgements acknowledgements;
   LocalizationStatus status{};
   KeyframeId keyframe{};
-  Revision revision{};  ///< of the keyframe that was localized
-  Timestamp stamp;      ///< of the keyframe
+  Revision revision{};     ///< of the keyframe that was localized
+  Timestamp stamp;         ///< of the keyframe, the newest of the window behind the answer
+  Timestamp oldest_stamp;  ///< of the oldest keyframe of that window; only if kLocalized
   MapHash map_hash{};
   Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows
   Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_body

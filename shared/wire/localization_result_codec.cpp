@@ -24,7 +24,10 @@ constexpr std::int64_t kLongestHoldingTime_ns = 3'600'000'000'000;
 
 Validity check_sample(const wire::LocalizationResult& sample) {
   if (sample.status() > wire::UNCONFIRMED) return unexpected(Malformed::kUnknownValue);
-  if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
+  for (const std::int64_t ns : {sample.stamp_ns(), sample.oldest_stamp_ns()}) {
+    if (const Validity valid = check_stamp(ns); !valid) return valid;
+  }
+  if (sample.oldest_stamp_ns() > sample.stamp_ns()) return unexpected(Malformed::kUnorderedStamps);
   if (sample.holding_time_ns() < 0 || sample.holding_time_ns() > kLongestHoldingTime_ns) {
     return unexpected(Malformed::kOutOfRange);
   }
@@ -49,8 +52,9 @@ Bytes encode(const LocalizationResult& answer) {
   sample.keyframe(static_cast<std::uint32_t>(answer.keyframe));
   sample.revision(static_cast<std::uint32_t>(answer.revision));
   sample.stamp_ns(to_wire(answer.stamp));
-  sample.map_hash(answer.map_hash);
   const bool localized = answer.status == LocalizationStatus::kLocalized;
+  sample.oldest_stamp_ns(to_wire(localized ? answer.oldest_stamp : answer.stamp));
+  sample.map_hash(answer.map_hash);
   sample.T_map_body(to_wire(localized ? answer.T_map_body : Pose{}));
   if (localized) sample.covariance(to_wire(answer.covariance));
   sample.T_map_odom(to_wire(localized ? answer.T_map_odom : Pose{}));
@@ -73,6 +77,7 @@ Decoded<LocalizationResult> decode_localization_result(std::span<const std::uint
                             .keyframe = KeyframeId{sample.keyframe()},
                             .revision = Revision{sample.revision()},
                             .stamp = stamp_from_wire(sample.stamp_ns()),
+                            .oldest_stamp = stamp_from_wire(sample.oldest_stamp_ns()),
                             .map_hash = sample.map_hash(),
                             .T_map_body = from_wire(sample.T_map_body()),
                             .covariance = from_wire(sample.covariance()),

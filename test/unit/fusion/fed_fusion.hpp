@@ -78,11 +78,15 @@ inline Matrix6d answer_covariance() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+/// Of the cloud's window behind the answers below [s].
+inline constexpr double kWindow = 20.0;
+
 inline LocalizationResult answer(double t, const Pose& T_map_body) {
   LocalizationResult result;
   result.localizer = "cloud";
   result.status = LocalizationStatus::kLocalized;
   result.stamp = at(t);
+  result.oldest_stamp = at(t - kWindow);
   result.T_map_body = T_map_body;
   result.covariance = answer_covariance();
   return result;

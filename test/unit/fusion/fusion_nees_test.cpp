@@ -94,7 +94,7 @@ class DriftingRun {
   }
   LocalizationResult next_answer(double t) {
     const double share = model_.answers.noise.white_share;
-    const double rho = std::exp(-kAnswerInterval / model_.answers.correlation_time_s);
+    const double rho = 1.0 - kAnswerInterval / kWindow;  // share of the window in both
     u_ = rho * u_ + std::sqrt(1.0 - rho * rho) * standard_normal();
     const Vector6d error_map = answer_covariance().cwiseSqrt() *
                                (std::sqrt(1.0 - share) * u_ + std::sqrt(share) * standard_normal());

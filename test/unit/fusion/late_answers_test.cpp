@@ -138,9 +138,8 @@ class Batch {
   void add_evolution(const LocalizationResult& from, const LocalizationResult& to, Eigen::Index k) {
     const Matrix6d I = Matrix6d::Identity();
     add(drift(from.stamp, to.stamp), {{12 * (k - 1), -I}, {12 * k, I}}, Vector6d::Zero());
-    const double seconds = to_seconds(to.stamp - from.stamp);
-    const Matrix6d F =
-        std::exp(-seconds / config_.answers.correlation_time_s) * error_transition(from, to);
+    const double overlap = to_seconds(from.stamp - to.oldest_stamp) / kWindow;
+    const Matrix6d F = overlap * error_transition(from, to);
     add(I - F * F.transpose(), {{12 * (k - 1) + 6, -F}, {12 * k + 6, I}}, Vector6d::Zero());
   }
   void add_answer(const LocalizationResult& now, Eigen::Index k) {

@@ -75,6 +75,19 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedAfterOneWindow) {
   EXPECT_LT(position_error(), 0.05);
 }
 
+TEST_P(LockOut, AWrongFirstAnswerIsReplacedSoonerIfWindowsAreShorter) {
+  constexpr double kFirst = 2.0;
+  double t = kFirst;
+  const auto is_gated = [&] {
+    fed_.drive_to(t + 1.0);
+    LocalizationResult said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
+    said.oldest_stamp = at(t - 5.0);
+    return name(fed_.fusion.add_answer(said)) == "gated";
+  };
+  for (; is_gated(); t += 0.5) ASSERT_LT(t, 60.0);
+  EXPECT_DOUBLE_EQ(t, kFirst + 5.5);
+}
+
 TEST_P(LockOut, AnAlignmentThatManyWindowsConfirmedYieldsToMany) {
   for (int i = 1; i < 5; ++i) {
     EXPECT_TRUE(same_again(1.0 + 21.0 * i).has_value());

@@ -28,6 +28,7 @@ TEST(LocalizationResultCodec, RoundTripPreservesEveryField) {
   EXPECT_EQ(received.keyframe, sent.keyframe);
   EXPECT_EQ(received.revision, sent.revision);
   EXPECT_EQ(received.stamp, sent.stamp);
+  EXPECT_EQ(received.oldest_stamp, sent.oldest_stamp);
   EXPECT_EQ(received.map_hash, sent.map_hash);
   expect_near(received.T_map_body, sent.T_map_body, 1e-15, 0.0);
   expect_near(received.covariance, sent.covariance, 1e-6);
@@ -50,6 +51,7 @@ TEST(LocalizationResultCodec, ARejectionHasNoPose) {
   const auto received = decode_localization_result(encode(sent)).value();
   EXPECT_TRUE(received.T_map_body.p.isZero());
   EXPECT_TRUE(received.covariance.isZero());
+  EXPECT_EQ(received.oldest_stamp, received.stamp);
 }
 
 TEST(LocalizationResultCodec, RefusesWithAReason) {
@@ -61,6 +63,11 @@ TEST(LocalizationResultCodec, RefusesWithAReason) {
   });
   expect_answer_refused(
       kOutOfRange, [](auto& sample) { sample.stamp_ns(std::numeric_limits<std::int64_t>::min()); });
+  expect_answer_refused(kOutOfRange, [](auto& sample) {
+    sample.oldest_stamp_ns(std::numeric_limits<std::int64_t>::min());
+  });
+  expect_answer_refused(kUnorderedStamps,
+                        [](auto& sample) { sample.oldest_stamp_ns(sample.stamp_ns() + 1); });
   expect_answer_refused(kOutOfRange, [](auto& sample) { sample.holding_time_ns(-1); });
   expect_answer_refused(kNotARotation, [](auto& sample) { sample.T_map_body().rotation().x(2); });
   expect_answer_refused(kNotFinite, [](auto& sample) {

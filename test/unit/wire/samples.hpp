@@ -94,6 +94,7 @@ inline LocalizationResult some_answer() {
           .keyframe = KeyframeId{100'000},
           .revision = Revision{2},
           .stamp = Timestamp{Duration{-5}},
+          .oldest_stamp = Timestamp{Duration{-20'000'000'000}},
           .map_hash = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 255},
           .T_map_body = some_pose(1.0),
           .covariance = some_matrix() * 1e-10,
