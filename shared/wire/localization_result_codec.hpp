@@ -10,8 +10,8 @@
 namespace fleetloc {
 
 /// Exact, but for the covariance (square_root_of); poses and covariance are left out, as identity
-/// and zero, unless the status is kLocalized; oldest_stamp is stamp then. Throws NotEncodable for what the receiver would
-/// refuse.
+/// and zero, unless the status is kLocalized; oldest_stamp is stamp then. Throws NotEncodable for
+/// what the receiver would refuse.
 Bytes encode(const LocalizationResult& answer);
 
 /// Never throws.
