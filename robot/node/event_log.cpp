@@ -20,7 +20,9 @@ void EventLog::finish(const RunEnd& end) {
                statistics.submaps_sent,
                statistics.answers_received,
                statistics.localizer.empty() ? "no localizer" : statistics.localizer);
-  if (odometry.resets > 0) spdlog::warn("{}: {} resets of the odometry", robot_, odometry.resets);
+  for (const auto& [kind, count] : end.robot.faults()) {
+    if (count > 0) spdlog::warn("{}: {} times {}", robot_, count, kind);
+  }
   for (const auto& [reason, count] : statistics.refused) {
     spdlog::warn("{}: {} messages not used: {}", robot_, count, reason);
   }

@@ -81,8 +81,10 @@ void VisualInertialOdometry::initialize(const TrackedFrame& frame,
   std::vector<ImuSample> since_previous;
   if (previous) since_previous = imu_.between(*previous, frame.stamp);
   imu_.forget_before(frame.stamp);
-  if (auto initialization = initializer_.add(frame, since_previous)) {
-    begin(std::move(*initialization));
+  auto initialization = initializer_.add(frame, since_previous);
+  if (initialization) return begin(std::move(*initialization));
+  if (initialization.error() != NotInitialized::kCollecting) {
+    ++faults_["initialization_" + std::string(name(initialization.error()))];
   }
 }
 

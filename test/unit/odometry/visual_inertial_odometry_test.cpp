@@ -139,6 +139,20 @@ TEST_F(VisualInertialOdometryTest, SaysOfFramesInAGapOfTheImuThatTheyWereLeftOut
   EXPECT_EQ(odometry_.faults().at("reset_imu_gap"), 1U);
 }
 
+TEST_F(VisualInertialOdometryTest, SaysWhyItCouldNotBeInitialized) {
+  for (const ImuSample& sample : run_.imu(Timestamp{}, Timestamp{from_seconds(3.0)})) {
+    ImuSample heavy = sample;
+    heavy.specific_force *= 1.3;
+    ASSERT_TRUE(odometry_.add_imu(heavy).has_value());
+    while (run_.frame_stamp(next_frame_) <= sample.stamp) {
+      odometry_.add_frame(run_.frame(next_frame_++));
+    }
+    while (odometry_.track_next()) continue;
+  }
+  EXPECT_EQ(odometry_.phase(), Phase::kInitializing);
+  EXPECT_GT(odometry_.faults().at("initialization_implausible_gravity"), 2U);
+}
+
 TEST_F(VisualInertialOdometryTest, GivesTheNewestCorrectionToTheNextKeyframeOnce) {
   play(4.0);
   back_end_.keyframes.clear();
