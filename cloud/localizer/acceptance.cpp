@@ -9,6 +9,7 @@ namespace fleetloc {
 
 using enum Rejection;
 
+// Without a start pose nothing says where to look; a few views fit many places.
 Acceptance::Verdict Acceptance::check_window(bool has_start_pose, std::size_t keyframes) const {
   if (!has_start_pose) return unexpected(kNoStartPose);
   if (keyframes < static_cast<std::size_t>(config_.min_keyframes)) {
@@ -18,14 +19,17 @@ Acceptance::Verdict Acceptance::check_window(bool has_start_pose, std::size_t ke
 }
 
 Acceptance::Verdict Acceptance::check_matches(const Association& association) const {
+  // At the edge of the map, or with a wrong one, little of what the robot sees was surveyed.
   const auto min_covered =
       static_cast<int>(std::ceil(config_.min_covered_share * association.eligible));
   if (association.covered < std::max(config_.min_matches, min_covered)) {
     return unexpected(kNotCovered);
   }
+  // A handful fits some surface anywhere.
   if (static_cast<int>(association.matches.size()) < config_.min_matches) {
     return unexpected(kTooFewMatches);
   }
+  // Level ground fits everywhere: the other surfaces have to agree.
   if (association.informative_matches() <
       config_.min_agreement * association.informative_landmarks()) {
     return unexpected(kDisagreement);
@@ -36,8 +40,11 @@ Acceptance::Verdict Acceptance::check_matches(const Association& association) co
 Acceptance::Verdict Acceptance::check_fit(const MapFit& fit, bool is_start) {
   if (const Verdict matched = check_matches(fit.association); !matched) return matched;
   if (!fit.is_solved) return unexpected(kNotSolved);
+  // Next to the right place the matches lie within the gate, but beside the surfaces.
   if (fit.median_residual > config_.max_median_residual) return unexpected(kPoorFit);
   if (is_below_ground(fit.association)) return unexpected(kBelowGround);
+  // Farther than the odometry can have brought the robot. Only the start pose is never given up: it
+  // is all that says where the session is.
   if (!(fit.innovation_sigmas <= innovation_gate())) {
     if (!is_start) ++refused_in_a_row_;
     return unexpected(kInnovation);
@@ -52,6 +59,7 @@ bool Acceptance::is_below_ground(const Association& association) const {
   return association.below_ground > config_.max_below_ground_share * ground;
 }
 
+// The floors are errors of the map between two places, which the odometry does not have.
 double Acceptance::innovation_sigmas(const PoseWithCovariance& predicted,
                                      const Pose& T_map_body) const {
   const Matrix6d covariance =
@@ -70,6 +78,7 @@ double Acceptance::innovation_gate() const {
 Acceptance::Verdict Acceptance::check_certainty(
     const std::optional<AnswerCovariance>& stated) const {
   if (!stated) return unexpected(kSingular);
+  // As in a corridor that the robot entered without knowing where.
   if (!(stated->weak_sigma_m <= config_.max_weak_sigma_m)) return unexpected(kWeak);
   return {};
 }
@@ -100,6 +109,7 @@ bool StartConfirmation::take(const Pose& T_map_body,
                              double travelled_m,
                              bool is_confident) {
   if (confirmed_) return true;
+  // The place where the confirmation began takes the odometry to this solution.
   const bool stays =
       candidate_ &&
       ((candidate_->T_map_odom * T_odom_body).p - T_map_body.p).norm() <= config_.tolerance_m;

@@ -7,6 +7,7 @@
 namespace fleetloc {
 namespace {
 
+// Where the start pose was known; any attitude there will do, since the odometry goes on from it.
 std::optional<PoseAnchor> anchor_at(const std::optional<MapOdomEstimate>& start) {
   if (!start) return std::nullopt;
   Pose T_odom_known;
@@ -21,6 +22,7 @@ std::optional<PoseAnchor> anchor_at(const std::optional<MapOdomEstimate>& start)
 
 }  // namespace
 
+// The covariance is carried along the step, T_map_later = T_map_anchor * step, and the drift added.
 PoseWithCovariance PoseAnchor::at(const Pose& T_odom_later,
                                   double travelled_m_later,
                                   const DriftConfig& drift) const {
@@ -42,6 +44,7 @@ DeadReckoning::DeadReckoning(const std::optional<MapOdomEstimate>& start, const 
 
 void DeadReckoning::follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes) {
   for (const auto& [id, keyframe] : keyframes) {
+    // A keyframe may arrive late, between two that are known: those keep what was measured.
     const auto next = path_.lower_bound(id);
     if (next != path_.end() && next->first == id) continue;
     PathPoint point{.p_odom = keyframe.item.T_odom_body.p, .travelled_m = 0.0};

@@ -25,10 +25,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       acceptance_(config_.acceptance, config_.confirmation) {}
 
 void SessionLocalizer::add(const Submap& submap) {
-  const SessionDatabase::Added added = database_.add(submap);
-  added_.stored += added.stored;
-  added_.repeated += added.repeated;
-  added_.stale += added.stale;
+  database_.add(submap);
   dead_reckoning_.follow(database_.keyframes());
 }
 
@@ -48,17 +45,20 @@ LocalizationResult SessionLocalizer::localize() {
   const MapFit fit = fit_to_map(prediction);
   expected<Solution, Rejection> solution = accept(prediction, fit);
 
-  if (!solution) return rejected(solution.error(), diagnostics_of(window, prediction, fit));
+  const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
+  if (!solution) return rejected(solution.error(), diagnostics);
   store(solution->newest);
-  return localized(std::move(*solution), diagnostics_of(window, prediction, fit));
+  return localized(std::move(*solution), diagnostics);
 }
 
-// Brings the problem to the keyframes of the window, placed in the map (eq. 12).
+// Brings the problem to the keyframes of the window, placed in the map (eq. 12). What it shares
+// with the window before stays in it, with its solution.
 void SessionLocalizer::synchronize(const std::vector<KeyframeId>& window) {
   problem_.synchronize(database_, database_.placed(window, dead_reckoning_.T_map_odom()));
   nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
 }
 
+// The gate is as wide as the odometry leaves the landmarks' places in the map uncertain.
 Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) const {
   const auto& rounds = config_.rounds;
   Prediction result;
@@ -111,6 +111,7 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
   return fit;
 }
 
+// E_loc (eq. 16), from the values of the round before.
 WindowProblem::Solved SessionLocalizer::optimize(const Prediction& prediction,
                                                  const std::vector<MapMatch>& matches,
                                                  const MapConstraint& constraint) {
@@ -123,6 +124,7 @@ WindowProblem::Solved SessionLocalizer::optimize(const Prediction& prediction,
   return problem_.solve(config_.rounds.iterations);
 }
 
+// The place first: the window is linearized only where its covariance is of use.
 expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
     const Prediction& prediction, const MapFit& fit) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);

@@ -81,8 +81,6 @@ class SessionLocalizer {
   /// Of the last localize().
   [[nodiscard]] const LocalizationDiagnostics& diagnostics() const { return diagnostics_; }
   [[nodiscard]] const SessionDatabase& database() const { return database_; }
-  /// Counts of all items since the start.
-  [[nodiscard]] const SessionDatabase::Added& added() const { return added_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
@@ -114,7 +112,6 @@ class SessionLocalizer {
   DeadReckoning dead_reckoning_;
   Acceptance acceptance_;
   std::optional<WindowSystem> system_;
-  SessionDatabase::Added added_;
   LocalizationDiagnostics diagnostics_;
 };
 

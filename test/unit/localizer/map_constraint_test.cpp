@@ -2,12 +2,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
-#include <optional>
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
 
-#include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/map_association.hpp"
 #include "cloud/localizer/tilt_factor.hpp"
@@ -155,19 +153,6 @@ TEST(WeakDirections, AreNotHeldTighterThanTheMapHoldsWhatIsNotWeak) {
       information_along(constraint, before, config.covariance_inflation.min_prior_sigma_m);
   EXPECT_GT(information(3, 3), 0.9 * std::pow(config.degeneracy.weak_sigma_m, -2));
   EXPECT_LT(information(3, 3), std::pow(config.degeneracy.weak_sigma_m, -2));
-}
-
-TEST(PoseAnchor, LosesItsWayWithThePathAndNotOnlyWithTheDistanceFromWhereItWas) {
-  const DriftConfig drift{.translation_m_per_m = 0.02, .rotation_rad_per_m = 0.004};
-  const PoseAnchor anchor{.keyframe = std::nullopt,
-                          .T_odom_body = kPose,
-                          .travelled_m = 10.0,
-                          .estimate = {kPose, 1e-6 * Matrix6d::Identity()}};
-  const Matrix6d still = anchor.at(kPose, 10.0, drift).covariance;
-  const Matrix6d looped = anchor.at(kPose, 60.0, drift).covariance;
-  EXPECT_LT(still(5, 5), 1e-5);
-  EXPECT_NEAR(looped(5, 5), 1.0, 1e-3);
-  EXPECT_NEAR(looped(0, 0), 0.04, 1e-3);
 }
 
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {

@@ -1,0 +1,106 @@
+#include "cloud/localizer/dead_reckoning.hpp"
+
+#include <cstdint>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "shared/geometry/so3.hpp"
+
+namespace fleetloc {
+namespace {
+
+const Pose kPose{exp_so3({0.3, -0.5, 2.0}), {1.0, -2.0, 0.5}};
+constexpr DriftConfig kDrift{.translation_m_per_m = 0.02, .rotation_rad_per_m = 0.004};
+
+KeyframeId keyframe_at(int x) {
+  return KeyframeId{static_cast<std::uint32_t>(x)};
+}
+
+// One keyframe a metre along x of odom, which begins at 100 m; the start pose is known there.
+class Drive {
+ public:
+  void to(int x) {
+    for (; next_ <= x; ++next_) {
+      Submap submap;
+      SubmapKeyframe keyframe;
+      keyframe.id = keyframe_at(next_);
+      keyframe.T_odom_body.p.x() = 100.0 + next_;
+      submap.keyframes.push_back(keyframe);
+      VirtualEdge edge;
+      edge.from = keyframe_at(next_ - 1);
+      edge.to = keyframe.id;
+      if (next_ > 0) submap.edges.push_back(edge);
+      database.add(submap);
+      reckoning.follow(database.keyframes());
+    }
+  }
+  static MapOdomEstimate start() {
+    return {.T_map_odom = Pose{exp_so3({0.0, 0.0, 1.0}), {5.0, 6.0, 7.0}},
+            .covariance = 0.01 * Matrix6d::Identity(),
+            .p_odom = {100.0, 0.0, 0.0}};
+  }
+
+  SessionDatabase database{{.window = 40}};
+  DeadReckoning reckoning{start(), kDrift};
+
+ private:
+  int next_ = 0;
+};
+
+TEST(PoseAnchor, LosesItsWayWithThePathAndNotOnlyWithTheDistanceFromWhereItWas) {
+  const PoseAnchor anchor{.keyframe = std::nullopt,
+                          .T_odom_body = kPose,
+                          .travelled_m = 10.0,
+                          .estimate = {kPose, 1e-6 * Matrix6d::Identity()}};
+  const Matrix6d still = anchor.at(kPose, 10.0, kDrift).covariance;
+  const Matrix6d looped = anchor.at(kPose, 60.0, kDrift).covariance;
+  EXPECT_LT(still(5, 5), 1e-5);
+  EXPECT_NEAR(looped(5, 5), 1.0, 1e-3);
+  EXPECT_NEAR(looped(0, 0), 0.04, 1e-3);
+}
+
+TEST(DeadReckoning, HasNoAnchorWithoutAStartPose) {
+  const DeadReckoning reckoning(std::nullopt, kDrift);
+  EXPECT_FALSE(reckoning.has_anchor());
+  EXPECT_FALSE(reckoning.is_localized());
+}
+
+TEST(DeadReckoning, FollowsTheOdometryFromTheStartPose) {
+  Drive drive;
+  drive.to(20);
+  EXPECT_TRUE(drive.reckoning.has_anchor());
+  EXPECT_FALSE(drive.reckoning.is_localized());
+  EXPECT_DOUBLE_EQ(drive.reckoning.travelled_m(keyframe_at(20)), 20.0);
+  const SubmapKeyframe& newest = drive.database.newest().item;
+  const PoseWithCovariance there = drive.reckoning.at(newest);
+  const Pose expected = Drive::start().T_map_odom * newest.T_odom_body;
+  EXPECT_LT(local_coordinates(there.T_map_body, expected).norm(), 1e-9);
+  // 0.1 m of the start, and 2 % and 0.1 rad over 20 m.
+  EXPECT_NEAR(there.covariance(3, 3), 0.01 + 0.4 * 0.4, 1e-6);
+  EXPECT_GT(there.covariance(4, 4), 4.0);
+}
+
+TEST(DeadReckoning, HoldsTheWindowWhereItWasLocalizedLast) {
+  Drive drive;
+  drive.to(10);
+  EXPECT_EQ(drive.reckoning.prior(drive.database.window(), drive.database).keyframe,
+            keyframe_at(0));
+  const PoseWithCovariance found{kPose, 1e-4 * Matrix6d::Identity()};
+  drive.reckoning.restart(drive.database.newest().item, found);
+  EXPECT_TRUE(drive.reckoning.is_localized());
+
+  drive.to(49);  // the window begins at keyframe 10
+  const PosePrior inside = drive.reckoning.prior(drive.database.window(), drive.database);
+  EXPECT_EQ(inside.keyframe, keyframe_at(10));
+  EXPECT_EQ(inside.estimate.covariance, found.covariance);
+
+  drive.to(51);
+  const PosePrior outside = drive.reckoning.prior(drive.database.window(), drive.database);
+  EXPECT_EQ(outside.keyframe, keyframe_at(12));
+  EXPECT_NEAR((outside.estimate.T_map_body.p - kPose.p).norm(), 2.0, 1e-9);
+  EXPECT_GT(outside.estimate.covariance(3, 3), found.covariance(3, 3));
+}
+
+}  // namespace
+}  // namespace fleetloc
