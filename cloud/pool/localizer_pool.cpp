@@ -16,11 +16,13 @@ void note(const LocalizerPool::Job& job,
           const LocalizationResult& answer,
           double optimize_ms,
           SessionReport& report) {
-  if (!job.error.empty()) report.last_error = job.error;
-  if (answer.status == LocalizationStatus::kLocalized) {
+  if (!job.error.empty()) {
+    report.last_error = job.error;
+    ++report.rejected["error"];
+  } else if (const auto rejection = job.session->diagnostics().rejection) {
+    ++report.rejected[std::string(name(*rejection))];
+  } else if (answer.status == LocalizationStatus::kLocalized) {
     ++report.localized;
-  } else {
-    ++report.rejected[std::string(name(answer.status))];
   }
   report.optimize_ms.add(optimize_ms);
   report.matches.add(job.session->diagnostics().matches);
