@@ -40,12 +40,15 @@ class TruthfulLocalizer final : public MapLocalizer {
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp /*now*/) override {
     return std::exchange(answers_, {});
   }
-  [[nodiscard]] std::optional<Correction> take_correction() override { return std::nullopt; }
+  [[nodiscard]] std::optional<Correction> take_correction() override {
+    return std::exchange(correction, std::nullopt);
+  }
   void note_applied() override { ++applied; }
   void update_start(const MapOdomEstimate& start) override { updated_start = start; }
   [[nodiscard]] LinkTraffic traffic() const override { return {}; }
 
   bool answering = true;
+  std::optional<Correction> correction;  // the next one
   std::vector<RobotSession> sessions;
   std::vector<int> submaps_of_session;
   std::vector<KeyframeId> first_keyframes;

@@ -22,10 +22,10 @@ bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdo
 
 // The register may have forgotten a robot that is served here: what it does not know is no reason
 // to refuse.
-std::optional<PoolRefusal> superseded(const SessionRegister::Acceptance& accepted) {
-  if (accepted || accepted.error() == SessionRefusal::kUnknown) return std::nullopt;
-  return accepted.error() == SessionRefusal::kConflict ? PoolRefusal::kConflictingSession
-                                                       : PoolRefusal::kOutdatedSession;
+expected<void, PoolRefusal> not_superseded(const SessionRegister::Acceptance& accepted) {
+  if (accepted || accepted.error() == SessionRefusal::kUnknown) return {};
+  return unexpected(accepted.error() == SessionRefusal::kConflict ? PoolRefusal::kConflictingSession
+                                                                  : PoolRefusal::kOutdatedSession);
 }
 
 }  // namespace
@@ -35,9 +35,8 @@ SessionProtocol::SessionProtocol(Identity identity, const Config& config)
 
 expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::announced(
     const RobotSession& session, Timestamp now) {
-  if (const auto refusal = superseded(register_.announced(session, now))) {
-    return unexpected(*refusal);
-  }
+  if (const auto current = not_superseded(register_.announced(session, now)); !current)
+    return unexpected(current.error());
   if (session.localizer != identity_.name) {
     return sessions_.contains(session.robot) ? Change::kLeft : Change::kNone;
   }
@@ -85,9 +84,9 @@ SessionProtocol::Change SessionProtocol::adopt_newer_start(const RobotSession& s
 }
 
 expected<void, PoolRefusal> SessionProtocol::submap(const Submap& submap, Timestamp now) {
-  if (const auto refusal = superseded(register_.submap(submap.robot, submap.session, now))) {
-    return unexpected(*refusal);
-  }
+  if (const auto current = not_superseded(register_.submap(submap.robot, submap.session, now));
+      !current)
+    return unexpected(current.error());
   const auto known = sessions_.find(submap.robot);
   if (submap.incarnation != identity_.incarnation) {
     request_session(submap, now);
@@ -106,7 +105,7 @@ expected<void, PoolRefusal> SessionProtocol::submap(const Submap& submap, Timest
 
 expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, Timestamp now) {
   const auto accepted = register_.status(status, now);
-  if (const auto refusal = superseded(accepted)) return unexpected(*refusal);
+  if (const auto current = not_superseded(accepted); !current) return unexpected(current.error());
   const auto known = sessions_.find(status.robot);
   if (!accepted || known == sessions_.end()) return unexpected(PoolRefusal::kUnknownSession);
   known->second.last_message = now;

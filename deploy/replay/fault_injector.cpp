@@ -157,6 +157,7 @@ std::map<std::string, std::uint64_t> FaultInjector::close() {
 }
 
 std::optional<SensorMeasurement> FaultInjector::next(const std::stop_token& stop) {
+  if (stop.stop_requested()) return std::nullopt;
   while (ready_.empty()) {
     auto measurement = recording_->next(stop);
     if (measurement) {

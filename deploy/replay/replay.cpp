@@ -119,6 +119,22 @@ std::unique_ptr<Localization> localization(const ReplayOptions& options,
   return options.align_once ? std::make_unique<AlignedOnce>(std::move(made)) : std::move(made);
 }
 
+/// Writes the cloud's sessions.json at the end of the run.
+class SessionsFile final : public RobotSink {
+ public:
+  SessionsFile(const Localization* localization, std::filesystem::path folder)
+      : localization_(localization), folder_(std::move(folder)) {}
+
+  void add(const RobotOutput& /*output*/) override {}
+  void finish(const RunEnd& /*end*/) override {
+    if (localization_ != nullptr) localization_->finish(folder_);
+  }
+
+ private:
+  const Localization* localization_;
+  std::filesystem::path folder_;
+};
+
 FaultInjector with_faults(std::unique_ptr<DatasetReader> recording, const FaultPlan& plan) {
   const Timestamp start = recording->recording_start();
   return {std::move(recording), start, plan};
@@ -136,17 +152,13 @@ class Replay {
                                                                    .duration_s = options.duration_s,
                                                                    .tracks = options.tracks})) {}
 
-  void run(const std::stop_token& stop) {
-    runtime_.run(stop);
-    if (localization_) localization_->finish(out_);
-  }
+  void run(const std::stop_token& stop) { runtime_.run(stop); }
 
  private:
   Replay(const ReplayOptions& options,
          const ReplayConfig& config,
          std::unique_ptr<DatasetReader> recording)
       : localization_(localization(options, config)),
-        localizer_(localization_ ? &localization_->localizer() : nullptr),
         back_end_(KeyframeWorker(rectified(recording->calibration()),
                                  recording->imu_noise(),
                                  config.worker,
@@ -158,23 +170,22 @@ class Replay {
                 .T_map_body = options.T_map_body},
                config.pipeline,
                back_end_,
-               localizer_,
+               localization_ ? &localization_->localizer() : nullptr,
                thread_cpu_time),
         recorder_(options.out),
         sensors_(with_faults(std::move(recording), options.faults)),
-        runtime_("frames", sensors_, robot_, localizer_, {recorder_}),
-        out_(options.out) {
+        sessions_(localization_.get(), options.out),
+        runtime_("frames", sensors_, robot_, {recorder_, sessions_}) {
     recorder_.write_config(options.config);
   }
 
   std::unique_ptr<Localization> localization_;
-  MapLocalizer* localizer_;
   SimulatedBackEnd back_end_;
   RobotPipeline robot_;
   RunRecorder recorder_;
   FaultInjector sensors_;
+  SessionsFile sessions_;
   RobotRuntime runtime_;
-  std::filesystem::path out_;
 };
 
 }  // namespace

@@ -20,8 +20,10 @@ void EventLog::finish(const RunEnd& end) {
                statistics.submaps_sent,
                statistics.answers_received,
                statistics.localizer.empty() ? "no localizer" : statistics.localizer);
-  for (const auto& [kind, count] : end.robot.faults()) {
-    if (count > 0) spdlog::warn("{}: {} times {}", robot_, count, kind);
+  for (const auto& faults : {end.faults, end.robot.faults()}) {
+    for (const auto& [kind, count] : faults) {
+      if (count > 0) spdlog::warn("{}: {} times {}", robot_, count, kind);
+    }
   }
   for (const auto& [reason, count] : statistics.refused) {
     spdlog::warn("{}: {} messages not used: {}", robot_, count, reason);

@@ -58,7 +58,7 @@ struct RobotNode::Parts {
         poses(options.domain, options.id),
         events(options.id, channel, client),
         sensors(std::move(recording), options.rate),
-        runtime(options.id, sensors, robot, &client, {recorder, poses, events}) {
+        runtime(options.id, sensors, robot, {recorder, poses, events}) {
     recorder.write_config(options.config);
   }
 

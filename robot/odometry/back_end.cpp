@@ -41,6 +41,7 @@ KeyframeResult KeyframeWorker::run(const KeyframeJob& job) {
   KeyframeResult result;
   result.window = std::make_shared<const WindowEstimate>(optimize(job));
   result.submap = builder_.build(submap_input(*result.window));
+  result.no_edges = builder_.diagnostics().refusal;
   if (cpu_clock_) result.cpu = cpu_clock_() - begin;
   return result;
 }

@@ -20,8 +20,9 @@ using KeyframeJob = std::variant<Initialization, KeyframeInput>;
 
 struct KeyframeResult {
   std::shared_ptr<const WindowEstimate> window;
-  Submap submap;   ///< robot, session and number are not set
-  Duration cpu{};  ///< what the job took
+  Submap submap;                                  ///< robot, session and number are not set
+  std::optional<SparsificationRefusal> no_edges;  ///< why it has no new ones
+  Duration cpu{};                                 ///< what the job took
 };
 
 /// Optimizes the window and builds the submap. One session, one thread at a time.

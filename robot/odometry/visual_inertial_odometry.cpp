@@ -1,8 +1,14 @@
 #include "robot/odometry/visual_inertial_odometry.hpp"
 
+#include <chrono>
 #include <utility>
 
 namespace fleetloc {
+namespace {
+
+constexpr Duration kImuKept = std::chrono::seconds(30);  // longer than any failure is bridged
+
+}  // namespace
 
 Duration max_imu_step(const VisualInertialOdometry::Config& config) {
   return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
@@ -28,6 +34,7 @@ expected<void, ResetCause> VisualInertialOdometry::add_imu(const ImuSample& samp
     ++faults_["imu_gaps"];
   }
   imu_.add(sample);
+  imu_.forget_before(sample.stamp - kImuKept);
   last_imu_ = sample.stamp;
   const bool is_running = phase_ == Phase::kStarting || phase_ == Phase::kTracking;
   if (is_gap && is_running) return unexpected(reset(ResetCause::kImuGap));
@@ -107,7 +114,10 @@ void VisualInertialOdometry::begin(Initialization initialization) {
 OdometryFrame VisualInertialOdometry::estimate(const TrackedFrame& frame) {
   OdometryFrame output;
   const auto result = frame_estimator_.estimate(frame, imu_);
-  if (!result) return output;
+  if (!result) {  // it is too long since the newest keyframe
+    output.reset = reset(ResetCause::kVisionLost);
+    return output;
+  }
   if (!result->vision_updated) ++faults_["vision_lost_frames"];
   if (result->vision_inconsistent) ++faults_["vision_inconsistent_frames"];
   if (const auto healthy = health_.check(*result); !healthy) {
@@ -164,6 +174,7 @@ OdometryWindow VisualInertialOdometry::adopt(KeyframeResult result) {
   if (phase_ == Phase::kStarting) correction_.reset();  // it was of the session before
   phase_ = Phase::kTracking;
   ++statistics_.windows;
+  if (result.no_edges) ++faults_["submap_" + std::string(name(*result.no_edges))];
   const WindowDiagnostics& diagnostics = window_->diagnostics;
   statistics_.corrections_applied += static_cast<std::uint64_t>(diagnostics.corrections_applied);
   statistics_.corrections_ignored += static_cast<std::uint64_t>(diagnostics.corrections_ignored);

@@ -113,7 +113,7 @@ class VisualInertialOdometry {
   [[nodiscard]] const OdometryStatistics& statistics() const { return statistics_; }
   /// Counts by kind: "imu_gaps", "frames_in_imu_gaps", "missing_images", "wrong_images",
   /// "vision_lost_frames", "vision_inconsistent_frames", "reset_..." by cause, and
-  /// "initialization_..." by why it failed.
+  /// "initialization_..." and "submap_..." by why they failed.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
  private:

@@ -20,7 +20,7 @@ std::string_view name(InputRejection reason) {
   return "unknown";
 }
 
-auto InputValidator::rejection(InputRejection reason) {
+unexpected<InputRejection> InputValidator::rejection(InputRejection reason) {
   ++counts_[reason];
   return unexpected(reason);
 }

@@ -42,7 +42,7 @@ class InputValidator {
   [[nodiscard]] std::map<std::string, std::uint64_t> rejected() const;
 
  private:
-  auto rejection(InputRejection reason);
+  unexpected<InputRejection> rejection(InputRejection reason);
 
   Duration max_step_;
   std::optional<Timestamp> last_imu_;

@@ -1,5 +1,7 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 
+#include <utility>
+
 namespace fleetloc {
 
 RobotPipeline::RobotPipeline(RobotSetup setup,
@@ -53,7 +55,7 @@ void RobotPipeline::track_frames() {
 
 FrameOutput RobotPipeline::fuse(const OdometryFrame& frame) {
   if (frame.reset) fusion_->interrupt();
-  if (frame.estimate) fusion_->add_odometry(*frame.estimate);
+  if (frame.estimate) fuse(*frame.estimate);
   FrameOutput output{.stamp = frame.stamp,
                      .pose = pose_at(frame.stamp),
                      .tracks = frame.tracks,
@@ -65,6 +67,11 @@ FrameOutput RobotPipeline::fuse(const OdometryFrame& frame) {
     odometry_.add_dead_reckoned(output.pose);
   }
   return output;
+}
+
+void RobotPipeline::fuse(const OdometryEstimate& estimate) {
+  const auto added = fusion_->add_odometry(estimate);
+  if (!added) ++faults_["unfused_" + std::string(name(added.error()))];
 }
 
 // Outside of fusion's buffer the pose at the newest IMU sample, the first one after the frame.
@@ -96,7 +103,7 @@ void RobotPipeline::begin_odometry(const OdometryWindow& window) {
   }
   fusion_->reset(session(), carried);
   const WindowKeyframe& newest = window.window->keyframes.back();
-  fusion_->add_odometry({newest.stamp, newest.state, window.window->covariance});
+  fuse({newest.stamp, newest.state, window.window->covariance});
 }
 
 void RobotPipeline::begin_session(const OdometryWindow& window, Timestamp now) {
@@ -110,8 +117,8 @@ void RobotPipeline::begin_session(const OdometryWindow& window, Timestamp now) {
       session_start_.of_session(*window.start, T_odom_body, start_from_answers(T_odom_body));
   if (start) {
     announced.start = *start;
-  } else if (start.error() == NoStart::kTooUncertain) {
-    ++withheld_starts_;
+  } else {
+    ++faults_[std::string(name(start.error()))];
   }
   localizer_->start_session(announced, now);
 }
@@ -134,6 +141,10 @@ std::optional<MapOdomEstimate> RobotPipeline::start_from_answers(const Pose& T_o
   return start;
 }
 
+LinkTraffic RobotPipeline::traffic() const {
+  return localizer_ != nullptr ? localizer_->traffic() : LinkTraffic{};
+}
+
 SessionNumber RobotPipeline::session() const {
   return SessionNumber{static_cast<std::uint32_t>(setup_.session) +
                        static_cast<std::uint32_t>(odometry_.statistics().resets)};
@@ -141,10 +152,10 @@ SessionNumber RobotPipeline::session() const {
 
 std::map<std::string, std::uint64_t> RobotPipeline::faults() const {
   std::map<std::string, std::uint64_t> faults = odometry_.faults();
+  for (const auto& [kind, count] : faults_) faults[kind] = count;
   for (const auto& [reason, count] : input_validator_.rejected()) {
     faults["refused_" + reason] = count;
   }
-  faults["withheld_starts"] = withheld_starts_;
   return faults;
 }
 

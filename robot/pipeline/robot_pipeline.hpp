@@ -86,14 +86,16 @@ class RobotPipeline {
   [[nodiscard]] const VisualInertialOdometry& odometry() const { return odometry_; }
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of its IMU samples
-  /// Counts of input faults and of their effects, by kind: those of the odometry,
-  /// "refused_..." by InputRejection, and "withheld_starts".
+  [[nodiscard]] LinkTraffic traffic() const;  ///< of its localizer; without one there is none
+  /// Counts of input faults and of their effects, by kind: those of the odometry, "refused_..." by
+  /// InputRejection, "unfused_..." (odometry) by FusionRejection, and by NoStart.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
  private:
   void predict(const ImuSample& sample);
   void track_frames();
   FrameOutput fuse(const OdometryFrame& frame);
+  void fuse(const OdometryEstimate& estimate);
   [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
   void take_window(Timestamp now);
   void begin_odometry(const OdometryWindow& window);
@@ -115,7 +117,7 @@ class RobotPipeline {
   std::vector<FrameOutput> frames_;
   std::vector<LocalizationOutput> answers_;
   std::uint64_t imu_samples_ = 0;
-  std::uint64_t withheld_starts_ = 0;
+  std::map<std::string, std::uint64_t> faults_ = {{"withheld_starts", 0}};
   Duration fusion_cpu_{};
 };
 

@@ -24,6 +24,10 @@ MapOdomEstimate map_odom_estimate_at(const Pose& T_map_body,
           .p_odom = T_odom_body.p};
 }
 
+std::string_view name(NoStart reason) {
+  return reason == NoStart::kUnknown ? "unknown_starts" : "withheld_starts";
+}
+
 SessionStart::SessionStart(std::optional<Pose> T_map_body,
                            const StartUncertainty& sigma,
                            const ImuGapModel& imu_gaps)

@@ -31,6 +31,9 @@ enum class NoStart {
   kTooUncertain,  ///< see StartUncertainty
 };
 
+/// Name of their count in files: "unknown_starts", "withheld_starts".
+std::string_view name(NoStart reason);
+
 /// Where a session of the cloud starts: from the answers so far, or else from the session before,
 /// or else from the pose that the user has given.
 class SessionStart {

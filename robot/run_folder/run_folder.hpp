@@ -53,10 +53,10 @@ struct RunSummary {
   std::uint64_t downlink_wire_bytes = 0;
   std::uint64_t resets = 0;
   std::map<std::string, std::uint64_t> input_faults;  ///< of the dataset, by kind
-  bool interrupted = false;  ///< by a signal, before the end of the dataset
+  bool interrupted = false;  ///< by a signal or an error, before the end of the input
   double wall_s = 0.0;
   double cpu_s = 0.0;
-  Histogram decode_ms;    ///< of each frame
+  Histogram decode_ms;    ///< of each pair of images
   Histogram tracking_ms;  ///< of each frame
   Histogram backend_ms;   ///< of each keyframe
   double fusion_us_per_imu = 0.0;

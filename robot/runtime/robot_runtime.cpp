@@ -8,27 +8,19 @@ namespace fleetloc {
 RobotRuntime::RobotRuntime(const std::string& name,
                            SensorSource& sensors,
                            RobotPipeline& robot,
-                           const MapLocalizer* localizer,
                            std::vector<std::reference_wrapper<RobotSink>> sinks)
-    : sensors_(sensors),
-      robot_(robot),
-      localizer_(localizer),
-      sinks_(std::move(sinks)),
-      progress_(std::in_place, name) {}
+    : sensors_(sensors), robot_(robot), sinks_(std::move(sinks)), progress_(std::in_place, name) {}
 
 void RobotRuntime::run(const std::stop_token& stop) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto finish_run = [&] {
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    finish(wall.count(), stop.stop_requested());
-  };
+  std::exception_ptr failure;
   try {
     while (auto measurement = sensors_.next(stop)) take(std::move(*measurement));
   } catch (...) {
-    finish_run();
-    throw;
+    failure = std::current_exception();
   }
-  finish_run();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  finish(wall.count(), stop.stop_requested() || failure != nullptr, failure);
 }
 
 void RobotRuntime::take(SensorMeasurement measurement) {
@@ -60,28 +52,33 @@ void RobotRuntime::deliver(const std::optional<PoseEstimate>& pose) {
   const RobotOutput output{.pose = pose,
                            .frames = robot_.take_frames(),
                            .answers = robot_.take_answers(),
-                           .traffic = traffic()};
+                           .traffic = robot_.traffic()};
   for (RobotSink& sink : sinks_) sink.add(output);
 }
 
-void RobotRuntime::finish(double wall_s, bool interrupted) {
+// What one of them throws does not keep the others from ending.
+void RobotRuntime::finish(double wall_s, bool interrupted, std::exception_ptr failure) {
+  const auto attempt = [&failure](const auto& action) {
+    try {
+      action();
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
+  };
   auto faults = sensors_.close();
   progress_.reset();
-  deliver(std::nullopt);
+  attempt([&] { deliver(std::nullopt); });
   for (const RobotSink& sink : sinks_) {
     for (const auto& [kind, count] : sink.faults()) faults[kind] += count;
   }
   const RunEnd end{.robot = robot_,
-                   .traffic = traffic(),
+                   .traffic = robot_.traffic(),
                    .interrupted = interrupted,
                    .wall_s = wall_s,
                    .decode_ms = decode_ms_,
                    .faults = std::move(faults)};
-  for (RobotSink& sink : sinks_) sink.finish(end);
-}
-
-LinkTraffic RobotRuntime::traffic() const {
-  return localizer_ != nullptr ? localizer_->traffic() : LinkTraffic{};
+  for (RobotSink& sink : sinks_) attempt([&] { sink.finish(end); });
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace fleetloc

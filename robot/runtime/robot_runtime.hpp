@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -21,30 +22,24 @@ class RobotRuntime {
  public:
   /// All must outlive the runtime.
   /// @param name  of the robot, beside the progress
-  /// @param localizer  the pipeline's; may be null
   RobotRuntime(const std::string& name,
                SensorSource& sensors,
                RobotPipeline& robot,
-               const MapLocalizer* localizer,
                std::vector<std::reference_wrapper<RobotSink>> sinks);
 
-  /// Once, until the sensors end or a stop is requested. The sinks are finished whatever ends it;
-  /// what sensors, pipeline or sinks throw is passed on.
+  /// Once, until the sensors end or a stop is requested. Every sink is finished, whatever ends it;
+  /// the first exception of sensors, pipeline or sinks is passed on then.
   void run(const std::stop_token& stop);
-
-  [[nodiscard]] std::size_t frames() const { return frames_; }  ///< handed to the pipeline
 
  private:
   void take(SensorMeasurement measurement);
   void add(CameraFrame frame);
   void add(const ImuSample& sample);
   void deliver(const std::optional<PoseEstimate>& pose);
-  void finish(double wall_s, bool interrupted);
-  [[nodiscard]] LinkTraffic traffic() const;
+  void finish(double wall_s, bool interrupted, std::exception_ptr failure);
 
   SensorSource& sensors_;
   RobotPipeline& robot_;
-  const MapLocalizer* localizer_;
   std::vector<std::reference_wrapper<RobotSink>> sinks_;
   std::optional<ProgressLine> progress_;  // while it runs
   std::size_t frames_ = 0;

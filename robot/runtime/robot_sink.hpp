@@ -25,7 +25,7 @@ struct RobotOutput {
 struct RunEnd {
   const RobotPipeline& robot;
   LinkTraffic traffic;
-  bool interrupted = false;  ///< before the end of the input
+  bool interrupted = false;  ///< by a signal or an error, before the end of the input
   double wall_s = 0.0;
   Histogram decode_ms;                          ///< processor time, of each pair of images
   std::map<std::string, std::uint64_t> faults;  ///< of sensors and sinks, by kind

@@ -45,14 +45,14 @@ struct InertialInformation {
 };
 
 /// Adds one preintegration between states `first` and `first` + 1.
-std::optional<Refusal> add_measurement(const InertialWindow& window,
-                                       int first,
-                                       const Columns& columns,
-                                       InertialInformation& sum) {
+expected<void, Refusal> add_measurement(const InertialWindow& window,
+                                        int first,
+                                        const Columns& columns,
+                                        InertialInformation& sum) {
   const auto i = static_cast<std::size_t>(first);
   const ImuError linear = imu_error(window.between[i], window.states[i], window.states[i + 1]);
   const ScaledCholesky covariance(imu_error_covariance(window.between[i]));
-  if (!covariance.regular()) return Refusal::kSingularMeasurement;
+  if (!covariance.regular()) return unexpected(Refusal::kSingularMeasurement);
   const Matrix15d weight = covariance.inverse();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(15, columns.all());
   for (const auto& [state, J_state] :
@@ -64,10 +64,10 @@ std::optional<Refusal> add_measurement(const InertialWindow& window,
       J.middleCols<kSpeedBias>(*column) = J_state->rightCols<kSpeedBias>();
     }
   }
-  if (!J.allFinite() || !linear.error.allFinite()) return Refusal::kNotFinite;
+  if (!J.allFinite() || !linear.error.allFinite()) return unexpected(Refusal::kNotFinite);
   sum.information += J.transpose() * weight * J;
   sum.vector -= J.transpose() * weight * linear.error;
-  return std::nullopt;
+  return {};
 }
 
 /// A: Jacobian of the consecutive relative poses by all poses but the oldest, at zero error.
@@ -115,23 +115,24 @@ std::string_view name(SparsificationRefusal refusal) {
 }
 
 Sparsified<PoseInformation> pose_information(const InertialWindow& window, InertialModel model) {
-  if (window.states.size() < kMinKeyframes) return Refusal::kTooFewKeyframes;
-  if (window.between.size() + 1 != window.states.size()) return Refusal::kUnequalSizes;
+  if (window.states.size() < kMinKeyframes) return unexpected(Refusal::kTooFewKeyframes);
+  if (window.between.size() + 1 != window.states.size()) return unexpected(Refusal::kUnequalSizes);
   const Columns columns{static_cast<int>(window.states.size()), model};
   InertialInformation sum{Eigen::MatrixXd::Zero(columns.all(), columns.all()),
                           Eigen::VectorXd::Zero(columns.all())};
   for (int first = 0; first + 1 < columns.states; ++first) {
-    if (const auto refusal = add_measurement(window, first, columns, sum)) return *refusal;
+    const auto added = add_measurement(window, first, columns, sum);
+    if (!added) return unexpected(added.error());
   }
   if (const auto column = columns.speed_bias(0)) {  // its mean is the linearization point
     const ScaledCholesky covariance(window.oldest_covariance);
-    if (!covariance.regular()) return Refusal::kSingularPrior;
+    if (!covariance.regular()) return unexpected(Refusal::kSingularPrior);
     sum.information.block<kSpeedBias, kSpeedBias>(*column, *column) += covariance.inverse();
   }
   const int kept = columns.poses();
   const int removed = columns.all() - kept;
   const ScaledCholesky L_removed(sum.information.bottomRightCorner(removed, removed));
-  if (!L_removed.regular()) return Refusal::kSingularMarginal;
+  if (!L_removed.regular()) return unexpected(Refusal::kSingularMarginal);
   const Eigen::MatrixXd L_mixed = sum.information.bottomLeftCorner(removed, kept);
   PoseInformation dense;
   dense.information =
@@ -144,15 +145,15 @@ Sparsified<PoseInformation> pose_information(const InertialWindow& window, Inert
 
 Sparsified<Eigen::MatrixXd> relative_pose_covariance(const PoseInformation& dense) {
   const ScaledCholesky information(dense.information);
-  if (!information.regular()) return Refusal::kSingularPoses;
+  if (!information.regular()) return unexpected(Refusal::kSingularPoses);
   const Eigen::MatrixXd A = relative_pose_jacobian(dense.poses);
   return Eigen::MatrixXd(A * information.inverse() * A.transpose());
 }
 
 Sparsified<ChainOfPoses> sparsify(const PoseInformation& dense, InertialModel model) {
   const auto covariance = relative_pose_covariance(dense);
-  if (const auto* refusal = std::get_if<Refusal>(&covariance)) return *refusal;
-  const auto& C = std::get<Eigen::MatrixXd>(covariance);
+  if (!covariance) return unexpected(covariance.error());
+  const Eigen::MatrixXd& C = *covariance;
   const std::vector<Pose> measured = model == InertialModel::kPaper
                                          ? dense.poses
                                          : mean_of(dense, ScaledCholesky(dense.information));
@@ -160,7 +161,7 @@ Sparsified<ChainOfPoses> sparsify(const PoseInformation& dense, InertialModel mo
   for (std::size_t i = 0; i + 1 < measured.size(); ++i) {
     const auto row = kPose * static_cast<Eigen::Index>(i);
     const ScaledCholesky marginal(C.block<kPose, kPose>(row, row));
-    if (!marginal.regular()) return Refusal::kSingularPoses;
+    if (!marginal.regular()) return unexpected(Refusal::kSingularPoses);
     chain.edges.push_back({inverse(measured[i]) * measured[i + 1], marginal.inverse()});
   }
   chain.kl_divergence = kl_divergence(C, chain.edges);
@@ -168,9 +169,9 @@ Sparsified<ChainOfPoses> sparsify(const PoseInformation& dense, InertialModel mo
 }
 
 Sparsified<ChainOfPoses> virtual_odometry(const InertialWindow& window, InertialModel model) {
-  const auto dense = pose_information(window, model);
-  if (const auto* refusal = std::get_if<Refusal>(&dense)) return *refusal;
-  return sparsify(std::get<PoseInformation>(dense), model);
+  return pose_information(window, model).and_then([&](const PoseInformation& dense) {
+    return sparsify(dense, model);
+  });
 }
 
 double kl_divergence(const Eigen::MatrixXd& relative_pose_covariance,

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <string_view>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "robot/inertial/inertial_window.hpp"
+#include "shared/core/expected.hpp"
 #include "shared/geometry/pose.hpp"
 
 /// Virtual odometry: the IMU's information on the poses of a window, as independent relative poses
@@ -37,7 +37,7 @@ enum class SparsificationRefusal {
 std::string_view name(SparsificationRefusal refusal);
 
 template <typename T>
-using Sparsified = std::variant<T, SparsificationRefusal>;
+using Sparsified = expected<T, SparsificationRefusal>;
 
 /// Gaussian over the poses of a window but the oldest, which is fixed. Tangent coordinates at
 /// `poses`, six a pose: exp(-0.5 x^T information x + vector^T x).

@@ -77,11 +77,11 @@ Submap SubmapBuilder::build(const SubmapInput& input) {
 
 void SubmapBuilder::update_edges(const SubmapInput& input) {
   const auto odometry = virtual_odometry(input.inertial, config_.model);
-  if (const auto* refusal = std::get_if<SparsificationRefusal>(&odometry)) {
-    diagnostics_.refusal = *refusal;
+  if (!odometry) {
+    diagnostics_.refusal = odometry.error();
     return;
   }
-  const auto& chain = std::get<ChainOfPoses>(odometry);
+  const ChainOfPoses& chain = *odometry;
   diagnostics_.kl_divergence = chain.kl_divergence;
   for (std::size_t i = 0; i < chain.edges.size(); ++i) {
     const auto newer = static_cast<int>(chain.edges.size() - 1 - i);

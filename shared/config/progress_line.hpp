@@ -8,7 +8,7 @@ namespace fleetloc {
 
 /// Shows on a terminal how far a long piece of work has come: items, rate and time left. Writes to
 /// stderr, at most ten times a second; nothing at all where stderr is no terminal. For programs
-/// only.
+/// and the loops that they run.
 class ProgressLine {
  public:
   /// @param work  e.g. "normals"

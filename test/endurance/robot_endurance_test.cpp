@@ -1,6 +1,7 @@
 // A robot that runs for long: nothing in it may grow with time. FLEETLOC_ENDURANCE_FRAMES sets how
 // long; test/endurance.sh runs it for hours.
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -81,7 +82,7 @@ TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
                       back_end,
                       &localizer);
   Watch watch(flight);
-  RobotRuntime("robot", flight, robot, &localizer, {watch}).run({});
+  RobotRuntime("robot", flight, robot, {watch}).run({});
 
   for (std::size_t i = 0; i < kShares; ++i) {
     std::cout << "to " << 100 * (i + 1) / kShares << " %: heap " << watch.heap_mb[i]

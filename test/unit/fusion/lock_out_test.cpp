@@ -137,9 +137,9 @@ TEST_P(LockOut, AnswersThatDisagreeRestartNothing) {
 TEST_P(LockOut, OutliersPushOutTheOldestAlternative) {
   truth_from("cloud", 5.0);
   for (int i = 0; i < 4; ++i) {
-    EXPECT_EQ(answer_from("cloud", 6.0 + i, elsewhere(8.0 + 5.0 * i)).reason, "gated");
+    EXPECT_EQ(name(answer_from("cloud", 6.0 + i, elsewhere(8.0 + 5.0 * i))), "gated");
   }
-  EXPECT_EQ(truth_from("cloud", 26.0).reason, "gated");
+  EXPECT_EQ(name(truth_from("cloud", 26.0)), "gated");
 }
 
 TEST_P(LockOut, AppliedAnswersInARowEndTheContradiction) {

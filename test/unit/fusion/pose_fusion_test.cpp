@@ -147,10 +147,10 @@ TEST_P(EitherFusion, IsLostWhileTheAnswerIsUncertainByMetresOrByManyDegrees) {
     fed.drive_to(2.0);
     LocalizationResult uncertain = answer(1.0, true_T_map_odom() * fed.drive.pose(1.0));
     uncertain.covariance(axis, axis) = axis == 2 ? 0.3 * 0.3 : 3.0 * 3.0;
-    EXPECT_TRUE(fed.fusion.add_answer(uncertain).applied);
+    EXPECT_TRUE(fed.fusion.add_answer(uncertain).has_value());
     fed.drive_to(2.1);
     EXPECT_EQ(fed.output.quality, Quality::kLost) << "axis " << axis;
-    EXPECT_TRUE(fed.answer_at(2.0).applied);
+    EXPECT_TRUE(fed.answer_at(2.0).has_value());
     fed.drive_to(2.2);
     EXPECT_EQ(fed.output.quality, Quality::kLocalized) << "axis " << axis;
   }

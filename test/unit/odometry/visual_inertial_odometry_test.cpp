@@ -36,7 +36,8 @@ class HeldBackEnd final : public BackEnd {
 
 class VisualInertialOdometryTest : public testing::Test {
  protected:
-  /// Plays everything up to `seconds`, without IMU in [gap_from_, gap_to_).
+  /// Plays everything up to `seconds`, without IMU in [gap_from_, gap_to_) and without frames in
+  /// [dark_from_, dark_to_).
   void play(double seconds) {
     const auto end = Timestamp{from_seconds(seconds)};
     for (const ImuSample& sample : run_.imu(played_, end)) {
@@ -44,7 +45,8 @@ class VisualInertialOdometryTest : public testing::Test {
       if (t >= gap_from_ && t < gap_to_) continue;
       if (const auto added = odometry_.add_imu(sample); !added) causes_.push_back(added.error());
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {
-        odometry_.add_frame(run_.frame(next_frame_++));
+        TrackedFrame frame = run_.frame(next_frame_++);
+        if (t < dark_from_ || t >= dark_to_) odometry_.add_frame(std::move(frame));
       }
       while (auto frame = odometry_.track_next()) take(std::move(*frame));
       auto window = odometry_.take_window(sample.stamp);
@@ -71,6 +73,8 @@ class VisualInertialOdometryTest : public testing::Test {
       ideal_cameras(run_.stereo()), run_.noise(), read_odometry_config(defaults()), back_end_, {}};
   double gap_from_ = 1e9;
   double gap_to_ = 1e9;
+  double dark_from_ = 1e9;
+  double dark_to_ = 1e9;
   Timestamp played_;
   int next_frame_ = 0;
   std::vector<OdometryFrame> frames_;
@@ -126,6 +130,16 @@ TEST_F(VisualInertialOdometryTest, GoesOnWhereItWasCarriedToAfterAReset) {
   const Pose error = inverse(run_.truth(frames_.back().stamp).T_odom_body) *
                      frames_.back().estimate->state.T_odom_body;
   EXPECT_LT(error.p.norm(), 0.1);
+}
+
+TEST_F(VisualInertialOdometryTest, BeginsAnewWhenFramesComeBackAfterLongerThanItKeepsTheImu) {
+  dark_from_ = 4.0;
+  dark_to_ = 40.0;
+  play(39.0);
+  EXPECT_TRUE(causes_.empty());  // nothing has come that could be judged
+  play(44.0);
+  EXPECT_THAT(causes_, ElementsAre(ResetCause::kVisionLost));
+  EXPECT_EQ(odometry_.phase(), Phase::kTracking);
 }
 
 TEST_F(VisualInertialOdometryTest, SaysOfFramesInAGapOfTheImuThatTheyWereLeftOut) {

@@ -36,5 +36,11 @@ TEST_F(AlignOnceTest, GivesAnswersOneByOneUntilOneIsApplied) {
   EXPECT_THAT(once_.take_answers({}), IsEmpty());
 }
 
+TEST_F(AlignOnceTest, GivesNoCorrectionEver) {
+  localizer_.correction.emplace();
+  EXPECT_FALSE(once_.take_correction().has_value());
+  EXPECT_FALSE(localizer_.correction.has_value());  // it is not kept for later
+}
+
 }  // namespace
 }  // namespace fleetloc

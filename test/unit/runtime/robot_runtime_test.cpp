@@ -1,5 +1,7 @@
 #include "robot/runtime/robot_runtime.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -65,7 +67,7 @@ class Recorder final : public RobotSink {
 class RobotRuntimeTest : public testing::Test {
  protected:
   void run(const std::stop_token& stop = {}) {
-    RobotRuntime("robot", sensors_, robot_, &localizer_, {first_, second_}).run(stop);
+    RobotRuntime("robot", sensors_, robot_, {first_, second_}).run(stop);
   }
 
   Sensors sensors_;
@@ -117,9 +119,20 @@ TEST_F(RobotRuntimeTest, FinishesTheSinksWhenItIsStopped) {
   EXPECT_TRUE(first_.interrupted);
 }
 
+TEST_F(RobotRuntimeTest, FinishesEverySinkThoughOneFailsAndPassesItsErrorOn) {
+  first_.on_output = [&] {
+    if (first_.frames >= 20) throw std::logic_error("no room");
+  };
+  EXPECT_THROW(run(), std::logic_error);
+  EXPECT_EQ(first_.finished, 1);
+  EXPECT_EQ(second_.finished, 1);
+  EXPECT_TRUE(second_.interrupted);
+}
+
 TEST_F(RobotRuntimeTest, FinishesTheSinksWhenTheSensorsFailAndPassesTheErrorOn) {
   sensors_.failing_at = 100;
   EXPECT_THROW(run(), std::runtime_error);
+  EXPECT_TRUE(first_.interrupted);
   EXPECT_EQ(sensors_.closed, 1);
   EXPECT_EQ(first_.finished, 1);
   EXPECT_EQ(second_.finished, 1);

@@ -146,7 +146,7 @@ class OneLinearizationPoint : public WindowCorrectionsTest {
       if (keyframe.from_previous) window.between.push_back(*keyframe.from_previous);
     }
     window.oldest_covariance = marginal.covariance.block<9, 9>(6, 6);
-    return std::get<ChainOfPoses>(virtual_odometry(window, InertialModel::kInertialMean));
+    return virtual_odometry(window, InertialModel::kInertialMean).value();
   }
 
   WindowGraph without_ = slid_graph(run_, config_);
