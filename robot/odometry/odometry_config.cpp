@@ -4,6 +4,10 @@
 
 namespace fleetloc {
 
+Duration max_imu_step(const VisualInertialOdometry::Config& config) {
+  return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
+}
+
 VisualInertialOdometry::Config read_odometry_config(ConfigReader config) {
   const VioConfig vio = read_vio_config(config.section("vio"));
   return {.tracking = read_feature_tracker_config(config.section("tracking")),

@@ -10,10 +10,6 @@ constexpr Duration kImuKept = std::chrono::seconds(30);  // longer than any fail
 
 }  // namespace
 
-Duration max_imu_step(const VisualInertialOdometry::Config& config) {
-  return from_seconds(config.frame_estimator.noise.imu_gaps.void_from_s);
-}
-
 VisualInertialOdometry::VisualInertialOdometry(const StereoCalibration& calibration,
                                                const ImuNoise& imu_noise,
                                                const Config& config,

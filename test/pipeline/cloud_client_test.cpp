@@ -1,104 +1,11 @@
 #include "robot/cloud_client/cloud_client.hpp"
 
-#include <memory>
-
-#include <gtest/gtest.h>
-
-#include "deploy/config/default_config.hpp"
-#include "shared/config/config_reader.hpp"
-#include "shared/link/memory_network.hpp"
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
-#include "shared/wire/session_codec.hpp"
-#include "shared/wire/status_codec.hpp"
-#include "shared/wire/submap_codec.hpp"
+#include "test/pipeline/bare_localizers.hpp"
 
 namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
-
-Timestamp at(int ms) {
-  return Timestamp{milliseconds(ms)};
-}
-
-Submap submap_of(std::uint32_t keyframe) {
-  Submap submap;
-  submap.keyframes.push_back({.id = KeyframeId{keyframe},
-                              .revision = Revision{1},
-                              .stamp = at(1),
-                              .T_odom_body = {},
-                              .tilt_sigma = 0.01,
-                              .observations = {}});
-  return submap;
-}
-
-RobotSession some_session() {
-  RobotSession session;
-  session.robot = "robot";
-  session.session = SessionNumber{1};
-  session.stereo = {
-      .focal_px = 450.0, .center_px = {1024.0, 1024.0}, .baseline_m = 0.1, .T_body_cam0 = {}};
-  return session;
-}
-
-/// A client, and the bare ends of two localizers.
-class CloudClientTest : public testing::Test {
- protected:
-  static void announce(
-      Channel& end, const std::string& name, double load, int ms, bool accepting = true) {
-    end.send("",
-             {Topic::kLocalizerStatus,
-              encode(LocalizerStatus{.localizer = name,
-                                     .incarnation = Incarnation{1},
-                                     .map_hash = {},
-                                     .sessions = 0,
-                                     .load = load,
-                                     .accepting = accepting})},
-             at(ms));
-  }
-
-  static LocalizationResult answer(const std::string& localizer, std::uint32_t keyframe) {
-    LocalizationResult answer;
-    answer.robot = "robot";
-    answer.session = SessionNumber{1};
-    answer.localizer = localizer;
-    answer.incarnation = Incarnation{1};
-    answer.status = LocalizationStatus::kTooFewMatches;
-    answer.keyframe = KeyframeId{keyframe};
-    answer.revision = Revision{1};
-    answer.stamp = at(1);
-    return answer;
-  }
-
-  static Correction correction(const std::string& localizer, std::uint32_t anchor) {
-    Correction correction;
-    correction.robot = "robot";
-    correction.session = SessionNumber{1};
-    correction.localizer = localizer;
-    correction.incarnation = Incarnation{1};
-    correction.anchor = KeyframeId{anchor};
-    correction.landmarks.push_back({LandmarkId{1}, {1.0, 2.0, 3.0}, Eigen::Matrix3d::Identity()});
-    return correction;
-  }
-
-  void send(const Correction& correction, int ms) {
-    idle_->send("robot", {Topic::kCorrection, encode(correction)}, at(ms));
-  }
-
-  static int count(const std::vector<Message>& messages, Topic topic) {
-    return static_cast<int>(std::ranges::count(messages, topic, &Message::topic));
-  }
-
-  MemoryNetwork network_{perfect_link()};
-  std::unique_ptr<Channel> robot_end_ = network_.join_robot("robot");
-  std::unique_ptr<Channel> busy_ = network_.join_cloud("busy");
-  std::unique_ptr<Channel> idle_ = network_.join_cloud("idle");
-  CloudClient client_{"robot",
-                      *robot_end_,
-                      read_cloud_client_config(
-                          ConfigReader::from_string(default_config("robot")).section("client"))};
-};
 
 TEST_F(CloudClientTest, DropsAndCountsSubmapsWhileThereIsNoLocalizer) {
   client_.start_session(some_session(), at(0));
