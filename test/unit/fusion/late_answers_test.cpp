@@ -239,7 +239,15 @@ TEST(LateAnswers, TurnVerdictsThatStoodOnLess) {
   wrong.p.x() += 2.0;
   EXPECT_TRUE(fed.answer_at(5.0, wrong).has_value());
   EXPECT_EQ(name(fed.answer_at(8.0)), "gated");
-  EXPECT_TRUE(fed.answer_at(4.0).has_value());  // the wrong one is gated now, the good one applied
+  EXPECT_TRUE(fed.answer_at(4.0).has_value());
+  // The wrong one is gated now, the good one applied: newer revisions of them are told so.
+  const auto told_again = [&](double t, const Pose& T_map_odom) {
+    LocalizationResult again = answer(t, T_map_odom * fed.drive.pose(t));
+    again.revision = Revision{1};
+    return name(fed.fusion.add_answer(again));
+  };
+  EXPECT_EQ(told_again(5.0, wrong), "gated");
+  EXPECT_EQ(told_again(8.0, true_T_map_odom()), "applied");
   EXPECT_LT((fed.fusion.session_start()->T_map_odom.p - true_T_map_odom().p).norm(), 0.05);
 }
 
