@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "shared/geometry/covariance.hpp"
 #include "shared/geometry/pose.hpp"
 
 namespace fleetloc {
@@ -11,13 +12,5 @@ struct PoseWithCovariance {
   Pose T_map_body;
   Matrix6d covariance = Matrix6d::Identity();
 };
-
-/// Diagonal covariance of a perturbation: the same sigma about all axes, and along all axes.
-inline Matrix6d diagonal_covariance(double sigma_rad, double sigma_m) {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(sigma_rad * sigma_rad),
-      Eigen::Vector3d::Constant(sigma_m * sigma_m);
-  return variances.asDiagonal();
-}
 
 }  // namespace fleetloc

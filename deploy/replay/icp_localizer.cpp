@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "shared/geometry/covariance.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -10,13 +12,6 @@ std::vector<Eigen::Vector3f> positions_of(const LaserMap& map) {
   positions.reserve(map.size());
   for (const MapPoint& point : map.points()) positions.push_back(point.p_map);
   return positions;
-}
-
-Matrix6d covariance_of(const IcpLocalizer::Config& config) {
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(config.sigma_rad * config.sigma_rad),
-      Eigen::Vector3d::Constant(config.sigma_m * config.sigma_m);
-  return variances.asDiagonal();
 }
 
 }  // namespace
@@ -84,7 +79,7 @@ LocalizationResult IcpLocalizer::answer_to(const Submap& submap) {
   T_map_odom_ = result.T_target_source;
   answer.T_map_odom = *T_map_odom_;
   answer.T_map_body = *T_map_odom_ * newest.T_odom_body;
-  answer.covariance = covariance_of(config_);
+  answer.covariance = diagonal_covariance(config_.sigma_rad, config_.sigma_m);
   return answer;
 }
 

@@ -6,13 +6,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "shared/geometry/covariance.hpp"
+
 namespace fleetloc {
 
 Matrix6d clone_covariance(const LocalizationNoise& noise) {
-  Vector6d variance;
-  variance << Eigen::Vector3d::Constant(noise.clone_rotation * noise.clone_rotation),
-      Eigen::Vector3d::Constant(noise.clone_translation * noise.clone_translation);
-  return variance.asDiagonal();
+  return diagonal_covariance(noise.clone_rotation, noise.clone_translation);
 }
 
 LocalizationMeasurement measurement_from(const LocalizationResult& answer,
