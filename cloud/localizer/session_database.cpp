@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
-#include <set>
 
 namespace fleetloc {
 namespace {
@@ -24,6 +23,63 @@ const SubmapKeyframe& reference_of(LandmarkId landmark, const Submap& submap) {
             keyframe.observations, landmark, {}, &StereoObservation::landmark);
       });
   return newest != submap.keyframes.rend() ? *newest : submap.keyframes.back();
+}
+
+// The observations of `item`, and those of `known` that its subset says nothing of.
+std::vector<StereoObservation> with_others(const SubmapKeyframe& item,
+                                           const std::vector<StereoObservation>& known) {
+  std::vector<StereoObservation> others;
+  std::ranges::copy_if(known, std::back_inserter(others), [&](const StereoObservation& one) {
+    return !item.subset.has(one.landmark, item.id);
+  });
+  std::vector<StereoObservation> all;
+  std::ranges::merge(item.observations,
+                     others,
+                     std::back_inserter(all),
+                     {},
+                     &StereoObservation::landmark,
+                     &StereoObservation::landmark);
+  return all;
+}
+
+/// Keyframes that edges connect, as a forest of parents (Tarjan, 1975).
+class Components {
+ public:
+  /// @return false if they were joined before
+  bool join(KeyframeId a, KeyframeId b) {
+    const KeyframeId root_a = root_of(a);
+    const KeyframeId root_b = root_of(b);
+    parents_[root_b] = root_a;
+    return root_a != root_b;
+  }
+  bool are_joined(KeyframeId a, KeyframeId b) { return root_of(a) == root_of(b); }
+
+ private:
+  KeyframeId root_of(KeyframeId id) {
+    KeyframeId& parent = parents_.try_emplace(id, id).first->second;
+    if (parent != id) parent = root_of(parent);
+    return parent;
+  }
+
+  std::map<KeyframeId, KeyframeId> parents_;
+};
+
+// Adds the poses of keyframes that edges connect with one that has a pose.
+void place_along(const std::vector<const VirtualEdge*>& edges, std::map<KeyframeId, Pose>& poses) {
+  for (bool has_grown = true; has_grown;) {
+    has_grown = false;
+    for (const VirtualEdge* edge : edges) {
+      const auto from = poses.find(edge->from);
+      const auto to = poses.find(edge->to);
+      if ((from == poses.end()) == (to == poses.end())) continue;
+      if (to == poses.end()) {
+        poses[edge->to] = from->second * edge->T_from_to;
+      } else {
+        poses[edge->from] = to->second * inverse(edge->T_from_to);
+      }
+      has_grown = true;
+    }
+  }
 }
 
 }  // namespace
@@ -48,7 +104,9 @@ void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
     return;
   }
   unobserved_landmarks_ = unobserved_landmarks_ || !is_new;
+  std::vector<StereoObservation> merged = with_others(item, place->second.item.observations);
   place->second.item = item;
+  place->second.item.observations = std::move(merged);
   for (const StereoObservation& seen : item.observations) landmarks_.try_emplace(seen.landmark);
   ++added.stored;
 }
@@ -109,25 +167,27 @@ void SessionDatabase::forget_behind_window() {
   }
 }
 
-const VirtualEdge* SessionDatabase::edge_into(KeyframeId to) const {
-  for (auto edge = edges_.upper_bound(EdgeKey{to, to}); edge != edges_.begin();) {
-    --edge;
-    if (edge->second.to != to) break;
-    if (keyframes_.contains(edge->second.from)) return &edge->second;
+std::vector<const VirtualEdge*> SessionDatabase::spanning_edges() const {
+  std::vector<const VirtualEdge*> edges;
+  for (const auto& [key, edge] : edges_) {
+    if (keyframes_.contains(edge.from) && keyframes_.contains(edge.to)) edges.push_back(&edge);
   }
-  return nullptr;
+  std::ranges::stable_sort(edges, {}, [](const VirtualEdge* edge) {
+    return static_cast<std::uint32_t>(edge->to) - static_cast<std::uint32_t>(edge->from);
+  });
+  Components components;
+  std::erase_if(edges,
+                [&](const VirtualEdge* edge) { return !components.join(edge->from, edge->to); });
+  return edges;
 }
 
-// The edges of edge_into() form a forest; the window is the tree of the newest keyframe.
 std::vector<KeyframeId> SessionDatabase::window() const {
-  std::map<KeyframeId, KeyframeId> root;
-  for (const auto& [id, keyframe] : keyframes_) {
-    const VirtualEdge* edge = edge_into(id);
-    root[id] = edge == nullptr ? id : root.at(edge->from);  // from < to
-  }
+  Components components;
+  for (const VirtualEdge* edge : spanning_edges()) components.join(edge->from, edge->to);
+  const KeyframeId newest = keyframes_.rbegin()->first;
   std::vector<KeyframeId> window;
-  for (const auto& [id, root_of_id] : root) {
-    if (root_of_id == root.rbegin()->second) window.push_back(id);
+  for (const auto& [id, keyframe] : keyframes_) {
+    if (components.are_joined(id, newest)) window.push_back(id);
   }
   return window;
 }
@@ -135,19 +195,12 @@ std::vector<KeyframeId> SessionDatabase::window() const {
 std::map<KeyframeId, Pose> SessionDatabase::placed(const std::vector<KeyframeId>& window,
                                                    const Pose& T_map_odom) const {
   std::map<KeyframeId, Pose> poses;
-  std::set<KeyframeId> anchored;  // solved, or along edges from a solved one
   for (const KeyframeId id : window) {
-    const Keyframe& keyframe = keyframes_.at(id);
-    const VirtualEdge* edge = edge_into(id);
-    if (keyframe.T_map_body) {
-      poses[id] = *keyframe.T_map_body;
-      anchored.insert(id);
-    } else if (edge != nullptr && anchored.contains(edge->from)) {
-      poses[id] = poses.at(edge->from) * edge->T_from_to;
-      anchored.insert(id);
-    } else {
-      poses[id] = T_map_odom * keyframe.item.T_odom_body;
-    }
+    if (const auto& solved = keyframes_.at(id).T_map_body) poses[id] = *solved;
+  }
+  if (!poses.empty()) place_along(spanning_edges(), poses);
+  for (const KeyframeId id : window) {
+    poses.try_emplace(id, T_map_odom * keyframes_.at(id).item.T_odom_body);
   }
   return poses;
 }

@@ -54,22 +54,22 @@ class SessionDatabase {
 
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
-  /// The keyframes that edges connect with the newest one, oldest first. Every one of them, but
-  /// the oldest, has one edge into it: see edge_into().
+  /// The keyframes that edges connect with the newest one, oldest first.
   [[nodiscard]] std::vector<KeyframeId> window() const;
+
+  /// The edges that connect keyframes without loops, the shortest first (Kruskal, 1956): longer
+  /// ones only bridge the gaps between, since they span the same IMU samples and would count them
+  /// twice.
+  [[nodiscard]] std::vector<const VirtualEdge*> spanning_edges() const;
 
   [[nodiscard]] const Keyframe& newest() const { return keyframes_.rbegin()->second; }
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
 
-  /// Of the edges that end at `to`, the one that starts latest at a stored keyframe: longer ones
-  /// span the same IMU samples and would count them twice. Null if there is none.
-  [[nodiscard]] const VirtualEdge* edge_into(KeyframeId to) const;
-
   /// Poses in the map for the keyframes of `window`: the cloud's solution where there is one, else
-  /// chained along the edges from a solved keyframe, else by `T_map_odom` where no solved keyframe
-  /// is connected.
+  /// chained along spanning edges from a solved keyframe, else by `T_map_odom` where no solved
+  /// keyframe is connected.
   [[nodiscard]] std::map<KeyframeId, Pose> placed(const std::vector<KeyframeId>& window,
                                                   const Pose& T_map_odom) const;
 

@@ -157,7 +157,6 @@ LocalizationResult SessionLocalizer::localized(Solution solution,
   result.T_map_body = solution.newest.T_map_body;
   result.covariance =
       solution.newest.covariance + diagonal_covariance(floors.floor_rad, floors.floor_m);
-  result.T_map_odom = result.T_map_body * inverse(database_.newest().item.T_odom_body);
   system_ = std::move(solution.system);
   return result;
 }

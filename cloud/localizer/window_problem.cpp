@@ -29,9 +29,17 @@ void write_pose(const Pose& T, double* values) {
   std::copy(parameters.begin(), parameters.end(), values);
 }
 
-bool is_same(const StereoObservation& a, const StereoObservation& b) {
+bool is_same_observation(const StereoObservation& a, const StereoObservation& b) {
   return a.landmark == b.landmark && a.left == b.left && a.disparity == b.disparity;
 }
+
+// Whatever the revisions.
+bool is_same_edge(const VirtualEdge& a, const VirtualEdge& b) {
+  return a.from == b.from && a.to == b.to && a.T_from_to.p == b.T_from_to.p &&
+         a.T_from_to.R.coeffs() == b.T_from_to.R.coeffs() && a.information == b.information;
+}
+
+constexpr double kRoundingVariance = 1.0 / 12.0;  // of a uniform error, in steps squared
 
 }  // namespace
 
@@ -51,24 +59,28 @@ void WindowProblem::synchronize(const SessionDatabase& database,
                                 const std::map<KeyframeId, Pose>& poses) {
   clear_prior();
   if (tilt_ != nullptr) problem_.RemoveResidualBlock(std::exchange(tilt_, nullptr));
-  remove_edges(database, poses);
+  Edges wanted;
+  for (const VirtualEdge* edge : database.spanning_edges()) {
+    if (poses.contains(edge->from) && poses.contains(edge->to)) {
+      wanted[{edge->from, edge->to}] = edge;
+    }
+  }
+  remove_edges(wanted);
   remove_keyframes(database, poses);
   add_keyframes(database, poses);
-  add_edges(database);
+  add_edges(wanted);
   add_observations(placed_landmarks(database, poses, stereo_));
   if (config_.use_tilt && !poses.empty()) {
     add_tilt(database.keyframe(poses.begin()->first).item);
   }
 }
 
-void WindowProblem::remove_edges(const SessionDatabase& database,
-                                 const std::map<KeyframeId, Pose>& poses) {
+void WindowProblem::remove_edges(const Edges& wanted) {
   std::erase_if(edges_, [&](const auto& entry) {
-    const auto& [to, edge] = entry;
-    const VirtualEdge* wanted = poses.contains(to) ? database.edge_into(to) : nullptr;
-    const bool stays = wanted != nullptr && poses.contains(wanted->from) &&
-                       wanted->from == edge.from && wanted->revision == edge.revision;
-    if (!stays) problem_.RemoveResidualBlock(edge.factor);
+    const auto& [key, node] = entry;
+    const auto edge = wanted.find(key);
+    const bool stays = edge != wanted.end() && is_same_edge(*edge->second, node.edge);
+    if (!stays) problem_.RemoveResidualBlock(node.factor);
     return !stays;
   });
 }
@@ -82,7 +94,8 @@ void WindowProblem::remove_keyframes(const SessionDatabase& database,
     // Most revisions of a keyframe change its estimate only, which is no measurement.
     const bool stays =
         poses.contains(id) &&
-        std::ranges::equal(database.keyframe(id).item.observations, keyframe.observations, is_same);
+        std::ranges::equal(
+            database.keyframe(id).item.observations, keyframe.observations, is_same_observation);
     if (stays) {
       ++node;
       continue;
@@ -93,14 +106,10 @@ void WindowProblem::remove_keyframes(const SessionDatabase& database,
       --landmarks_.at(keyframe.observations[i].landmark).observations;
       --observations_;
     }
-    if (const auto edge = edges_.find(id); edge != edges_.end()) {
-      problem_.RemoveResidualBlock(edge->second.factor);
-      edges_.erase(edge);
-    }
     std::erase_if(edges_, [this, gone = id](const auto& entry) {
-      const bool starts_here = entry.second.from == gone;
-      if (starts_here) problem_.RemoveResidualBlock(entry.second.factor);
-      return starts_here;
+      const bool is_its_own = entry.first.first == gone || entry.first.second == gone;
+      if (is_its_own) problem_.RemoveResidualBlock(entry.second.factor);
+      return is_its_own;
     });
     problem_.RemoveParameterBlock(keyframe.pose);
     pose_pool_->give_back(keyframe.pose);
@@ -116,6 +125,8 @@ void WindowProblem::add_keyframes(const SessionDatabase& database,
     if (is_new) {
       const SubmapKeyframe& item = database.keyframe(id).item;
       node.pose = pose_pool_->take();
+      node.pixel_sigma_px =
+          std::hypot(config_.pixel_sigma_px, item.pixel_step_px * std::sqrt(kRoundingVariance));
       node.observations = item.observations;
       node.factors.assign(item.observations.size(), nullptr);
       problem_.AddParameterBlock(node.pose, kPoseSize, &manifold_);
@@ -124,16 +135,15 @@ void WindowProblem::add_keyframes(const SessionDatabase& database,
   }
 }
 
-void WindowProblem::add_edges(const SessionDatabase& database) {
-  for (const auto& [to, node] : keyframes_) {
-    const VirtualEdge* edge = database.edge_into(to);
-    if (edge == nullptr || edges_.contains(to) || !keyframes_.contains(edge->from)) continue;
+void WindowProblem::add_edges(const Edges& wanted) {
+  for (const auto& [key, edge] : wanted) {
+    if (edges_.contains(key)) continue;
     const ceres::ResidualBlockId factor =
         problem_.AddResidualBlock(new RelativePoseFactor(edge->T_from_to, edge->information),
                                   nullptr,
                                   keyframes_.at(edge->from).pose,
-                                  node.pose);
-    edges_[to] = {edge->from, edge->revision, factor};
+                                  keyframes_.at(edge->to).pose);
+    edges_[key] = {*edge, factor};
   }
 }
 
@@ -170,7 +180,7 @@ void WindowProblem::add_observation(KeyframeNode& keyframe, std::size_t index) {
     landmark.point = point_pool_->take();
     problem_.AddParameterBlock(landmark.point, kPointSize);
   }
-  const StereoNoise noise{config_.pixel_sigma_px};
+  const StereoNoise noise{keyframe.pixel_sigma_px};
   ceres::CostFunction* factor = nullptr;
   if (seen.disparity > 0.0) {
     factor = new StereoReprojectionFactor(seen, stereo_, noise);

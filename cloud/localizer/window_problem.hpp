@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -86,14 +87,16 @@ class WindowProblem {
  private:
   struct KeyframeNode {
     double* pose = nullptr;
+    double pixel_sigma_px = 0.0;
     std::vector<StereoObservation> observations;
     std::vector<ceres::ResidualBlockId> factors;  // of observations; null: left out
   };
   struct EdgeNode {
-    KeyframeId from{};
-    Revision revision{};
+    VirtualEdge edge;
     ceres::ResidualBlockId factor = nullptr;
   };
+  using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // from, to
+  using Edges = std::map<EdgeKey, const VirtualEdge*>;
   struct LandmarkNode {
     double* point = nullptr;
     int observations = 0;
@@ -101,10 +104,10 @@ class WindowProblem {
     ceres::ResidualBlockId map_factor = nullptr;
   };
 
-  void remove_edges(const SessionDatabase& database, const std::map<KeyframeId, Pose>& poses);
+  void remove_edges(const Edges& wanted);
   void remove_keyframes(const SessionDatabase& database, const std::map<KeyframeId, Pose>& poses);
   void add_keyframes(const SessionDatabase& database, const std::map<KeyframeId, Pose>& poses);
-  void add_edges(const SessionDatabase& database);
+  void add_edges(const Edges& wanted);
   void add_observations(const LandmarkPositions& positions);
   void add_observation(KeyframeNode& keyframe, std::size_t index);
   std::map<LandmarkId, LandmarkNode>::iterator remove_landmark(
@@ -129,7 +132,7 @@ class WindowProblem {
   std::unique_ptr<SlotPool> point_pool_;
   ceres::Problem problem_;
   std::map<KeyframeId, KeyframeNode> keyframes_;
-  std::map<KeyframeId, EdgeNode> edges_;  // by the keyframe they end at
+  std::map<EdgeKey, EdgeNode> edges_;
   std::map<LandmarkId, LandmarkNode> landmarks_;
   ceres::ResidualBlockId tilt_ = nullptr;
   ceres::ResidualBlockId prior_ = nullptr;

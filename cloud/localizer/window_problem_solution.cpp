@@ -129,7 +129,7 @@ std::vector<WindowLandmark> WindowProblem::landmarks() const {
       WindowLandmark& landmark = landmarks.at(seen.landmark);
       landmark.viewpoint_map = T_map_cam0.p;
       landmark.covariance +=
-          position_information(seen, stereo_, T_cam0_map, landmark.p_map, config_.pixel_sigma_px);
+          position_information(seen, stereo_, T_cam0_map, landmark.p_map, keyframe.pixel_sigma_px);
     }
   }
   std::vector<WindowLandmark> result;
@@ -180,7 +180,7 @@ std::optional<Matrix6d> WindowProblem::covariance_from(KeyframeId origin,
 
 std::vector<ceres::ResidualBlockId> WindowProblem::robot_factors() const {
   std::vector<ceres::ResidualBlockId> factors;
-  for (const auto& [to, edge] : edges_) factors.push_back(edge.factor);
+  for (const auto& [key, edge] : edges_) factors.push_back(edge.factor);
   for (const auto& [id, node] : keyframes_) {
     std::ranges::copy_if(node.factors, std::back_inserter(factors), [](auto id_of_factor) {
       return id_of_factor != nullptr;

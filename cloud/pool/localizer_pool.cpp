@@ -57,6 +57,9 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
   } else if (message.topic == Topic::kSubmap) {
     take(decode_submap(payload),
          [&](auto submap) { receive_submap(std::move(submap), payload.size(), now); });
+  } else if (message.topic == Topic::kCompactSubmap) {
+    take(decode_submap_sample(payload),
+         [&](const auto& sample) { receive_submap(sample, payload.size(), now); });
   } else if (message.topic == Topic::kRobotStatus) {
     take(decode_robot_status(payload), [&](auto status) { receive_status(status, now); });
   }
@@ -86,9 +89,24 @@ void LocalizerPool::open(const RobotSession& session, SessionProtocol::Change ch
 }
 
 void LocalizerPool::receive_submap(Submap submap, std::size_t bytes, Timestamp now) {
+  const auto accepted = protocol_.submap(header_of(submap), now);
+  if (!accepted) return report_.refuse(submap.robot, accepted.error(), now);
+  add_submap(std::move(submap), bytes, now);
+}
+
+// The block is decoded with the calibration of its session, so only when that is known.
+void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes, Timestamp now) {
+  const auto accepted = protocol_.submap(header_of(sample), now);
+  if (!accepted) return report_.refuse(sample.robot, accepted.error(), now);
+  auto submap = decode_submap(sample, (*accepted)->stereo);
+  if (!submap) return report_.refuse(submap.error());
+  protocol_.note(sample.robot, sample.receipt);
+  add_submap(*std::move(submap), bytes, now);
+}
+
+void LocalizerPool::add_submap(Submap submap, std::size_t bytes, Timestamp now) {
   const RobotId id = submap.robot;
-  const auto accepted = protocol_.submap(submap, now);
-  if (!accepted) return report_.refuse(id, accepted.error(), now);
+  protocol_.store(header_of(submap));
   SessionReport& report = report_.of(id);
   ++report.submaps;
   scheduler_.add(id, now);

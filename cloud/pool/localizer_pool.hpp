@@ -14,6 +14,7 @@
 #include "cloud/pool/pool_report.hpp"
 #include "cloud/pool/session_protocol.hpp"
 #include "cloud/pool/waiting_submaps.hpp"
+#include "shared/compact/submap_sample.hpp"
 #include "shared/link/channel.hpp"
 
 namespace fleetloc {
@@ -88,6 +89,8 @@ class LocalizerPool {
 
   void receive_session(const RobotSession& session, Timestamp now);
   void receive_submap(Submap submap, std::size_t bytes, Timestamp now);
+  void receive_submap(const SubmapSample& sample, std::size_t bytes, Timestamp now);
+  void add_submap(Submap submap, std::size_t bytes, Timestamp now);
   void receive_status(const RobotStatus& status, Timestamp now);
   void open(const RobotSession& session, SessionProtocol::Change change);
   void end(const RobotId& robot, const std::string& why);

@@ -28,8 +28,6 @@ std::string_view name(PoolRefusal refusal) {
       return "too_much_memory";
     case PoolRefusal::kNotEncodable:
       return "not_encodable";
-    case PoolRefusal::kCorrectionNotEncodable:
-      return "correction_not_encodable";
   }
   return "unknown";
 }

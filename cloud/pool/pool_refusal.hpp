@@ -18,7 +18,6 @@ enum class PoolRefusal {
   kError,          ///< the localization threw an exception
   kTooMuchMemory,  ///< the session is ended
   kNotEncodable,   ///< an answer beyond the bounds of its wire type
-  kCorrectionNotEncodable,
 };
 
 /// Name in logs and sessions.json.

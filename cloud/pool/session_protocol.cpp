@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 
 namespace fleetloc {
@@ -12,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxUnknownRobots = 256;
 constexpr double kForgetUnknownRobotSeconds = 10.0;
+constexpr std::size_t kRequestBytes = 1200;
 
 bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdomEstimate>& b) {
   if (!a || !b) return !a && !b;
@@ -54,7 +54,7 @@ expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::open(const Robot
     sessions_.emplace(session.robot,
                       Session{.announced = session,
                               .receiver = {},
-                              .answers = AnswerSender(config_.retransmission),
+                              .answers = AnswerSender(config_.answers),
                               .last_message = now});
     unknown_robots_.erase(session.robot);
     return Change::kOpened;
@@ -83,7 +83,8 @@ SessionProtocol::Change SessionProtocol::adopt_newer_start(const RobotSession& s
   return Change::kNewStart;
 }
 
-expected<void, PoolRefusal> SessionProtocol::submap(const Submap& submap, Timestamp now) {
+expected<const RobotSession*, PoolRefusal> SessionProtocol::submap(const SubmapHeader& submap,
+                                                                   Timestamp now) {
   if (const auto current = not_superseded(register_.submap(submap.robot, submap.session, now));
       !current)
     return unexpected(current.error());
@@ -99,8 +100,15 @@ expected<void, PoolRefusal> SessionProtocol::submap(const Submap& submap, Timest
   Session& session = known->second;
   session.last_message = now;
   if (!session.receiver.is_new(submap.number)) return unexpected(PoolRefusal::kSeenBefore);
-  session.receiver.store(submap.number);
-  return {};
+  return &session.announced;
+}
+
+void SessionProtocol::note(const RobotId& robot, const AnswerReceipt& receipt) {
+  sessions_.at(robot).answers.note(receipt);
+}
+
+void SessionProtocol::store(const SubmapHeader& submap) {
+  sessions_.at(submap.robot).receiver.store(submap.number);
 }
 
 expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, Timestamp now) {
@@ -113,7 +121,7 @@ expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, T
 }
 
 // Sent to the robot's own partition; the keyframe proves that the request answers its submap.
-void SessionProtocol::request_session(const Submap& submap, Timestamp now) {
+void SessionProtocol::request_session(const SubmapHeader& submap, Timestamp now) {
   if (!sessions_.contains(submap.robot) && sessions_.size() >= config_.max_sessions) return;
   const auto known = unknown_robots_.find(submap.robot);
   if (known == unknown_robots_.end()
@@ -127,9 +135,9 @@ void SessionProtocol::request_session(const Submap& submap, Timestamp now) {
   answer.localizer = identity_.name;
   answer.incarnation = identity_.incarnation;
   answer.status = LocalizationStatus::kNeedFull;
-  answer.keyframe = submap.keyframes.back().id;
-  answer.revision = submap.keyframes.back().revision;
-  answer.stamp = submap.keyframes.back().stamp;
+  answer.keyframe = submap.keyframe;
+  answer.revision = submap.revision;
+  answer.stamp = submap.stamp;
   answer.map_hash = identity_.map_hash;
   unknown_robots_[submap.robot] = {.requested = now, .unsent = std::move(answer)};
 }
@@ -149,7 +157,7 @@ void SessionProtocol::answer(const RobotId& robot,
     correction->localizer = answer.localizer;
     correction->incarnation = answer.incarnation;
   }
-  session.answers.set(std::move(answer), std::move(correction));
+  session.answers.set({std::move(answer), std::move(correction)});
 }
 
 std::vector<OutgoingMessage> SessionProtocol::outgoing(Timestamp now,
@@ -169,12 +177,12 @@ void SessionProtocol::add_answers(std::vector<OutgoingMessage>& messages,
                                   Timestamp now,
                                   PoolReport& report) {
   for (auto& [robot, session] : sessions_) {
-    for (auto& message : session.answers.due(session.receiver, now)) {
-      if (message) {
-        messages.push_back({robot, *std::move(message)});
-      } else {
-        report.refuse(robot, message.error(), now);
-      }
+    auto message = session.answers.due(session.receiver, now);
+    if (!message) continue;
+    if (*message) {
+      messages.push_back({robot, **std::move(message)});
+    } else {
+      report.refuse(robot, message->error(), now);
     }
   }
 }
@@ -182,7 +190,8 @@ void SessionProtocol::add_answers(std::vector<OutgoingMessage>& messages,
 void SessionProtocol::add_session_requests(std::vector<OutgoingMessage>& messages) {
   for (auto& [id, unknown_robot] : unknown_robots_) {
     if (!unknown_robot.unsent) continue;
-    messages.push_back({id, {Topic::kLocalization, encode(*unknown_robot.unsent)}});
+    messages.push_back(
+        {id, {Topic::kLocalization, encode({*unknown_robot.unsent, std::nullopt}, kRequestBytes)}});
     unknown_robot.unsent.reset();
   }
 }
@@ -227,7 +236,7 @@ SessionProtocol::Config read_session_protocol_config(ConfigReader pool) {
           .idle_session_s = pool.positive("idle_session_s"),
           .session_request_interval_s = pool.positive("session_request_interval_s"),
           .status_interval_s = pool.positive("status_interval_s"),
-          .retransmission = read_retransmission_timer_config(pool.section("retransmission")),
+          .answers = read_answer_sender_config(pool.section("answers")),
           .sessions = read_session_register_config(pool.section("sessions"))};
 }
 

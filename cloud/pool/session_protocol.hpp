@@ -32,7 +32,7 @@ class SessionProtocol {
     double idle_session_s;  ///< without a message, then a session may be ended
     double session_request_interval_s;
     double status_interval_s;
-    RetransmissionTimer::Config retransmission;
+    AnswerSender::Config answers;
     SessionRegister::Config sessions;
   };
   /// Of this localizer; stands in all that it sends.
@@ -56,8 +56,14 @@ class SessionProtocol {
   /// to what came before are not sent any more. kLeft expects that the caller ends the session.
   expected<Change, PoolRefusal> announced(const RobotSession& session, Timestamp now);
 
-  /// Accepted: it is new, of the robot's session here, and acknowledged from now on.
-  expected<void, PoolRefusal> submap(const Submap& submap, Timestamp now);
+  /// Accepted: it is new, and of the robot's session here, which is returned.
+  expected<const RobotSession*, PoolRefusal> submap(const SubmapHeader& submap, Timestamp now);
+
+  /// An accepted submap was found valid and is stored: it is acknowledged from now on.
+  void store(const SubmapHeader& submap);
+
+  /// What the robot of a session here tells of its answers.
+  void note(const RobotId& robot, const AnswerReceipt& receipt);
 
   /// A status of a session that is not known here is refused without further consequences.
   expected<void, PoolRefusal> status(const RobotStatus& status, Timestamp now);
@@ -101,7 +107,7 @@ class SessionProtocol {
 
   expected<Change, PoolRefusal> open(const RobotSession& session, Timestamp now);
   static Change adopt_newer_start(const RobotSession& session, Session& known);
-  void request_session(const Submap& submap, Timestamp now);
+  void request_session(const SubmapHeader& submap, Timestamp now);
   void add_answers(std::vector<OutgoingMessage>& messages, Timestamp now, PoolReport& report);
   void add_session_requests(std::vector<OutgoingMessage>& messages);
   [[nodiscard]] LocalizerStatus localizer_status(double load) const;

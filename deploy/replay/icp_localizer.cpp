@@ -77,7 +77,6 @@ LocalizationResult IcpLocalizer::answer_to(const Submap& submap) {
   if (answer.status != LocalizationStatus::kLocalized) return answer;
   answer.oldest_stamp = submap.keyframes.front().stamp;
   T_map_odom_ = result.T_target_source;
-  answer.T_map_odom = *T_map_odom_;
   answer.T_map_body = *T_map_odom_ * newest.T_odom_body;
   answer.covariance = diagonal_covariance(config_.sigma_rad, config_.sigma_m);
   return answer;

@@ -1,14 +1,13 @@
 #include "robot/cloud_client/cloud_client.hpp"
 
+#include <algorithm>
 #include <tuple>
 #include <utility>
 
+#include "shared/compact/answer_sample.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
-#include "shared/wire/submap_codec.hpp"
 
 namespace fleetloc {
 namespace {
@@ -28,10 +27,13 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
       channel_(channel),
       config_(config),
       selector_(robot_, config.selector),
-      announcer_(config.announcement) {}
+      announcer_(config.announcement),
+      uplink_(robot_, config.uplink) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   announcer_.start(session);
+  announcer_.set_encoding(config_.uplink.encoding);
+  uplink_.start_session(session.stereo);
   session_started_ = now;
   newest_.reset();
   correction_.reset();
@@ -41,14 +43,17 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
 }
 
 void CloudClient::submit(Submap submap, Timestamp now) {
-  if (localizer_.empty() || !announcer_.session()) {
-    ++statistics_.submaps_without_localizer;
-    return;
-  }
-  submap.robot = robot_;
-  sender_.prepare(submap, now);
+  if (localizer_.empty() || !announcer_.session()) ++statistics_.submaps_without_localizer;
+  uplink_.add(std::move(submap));
+  send_submap(now);
+}
+
+void CloudClient::send_submap(Timestamp now) {
+  if (localizer_.empty() || !announcer_.session()) return;
   try {
-    channel_.send(localizer_, {Topic::kSubmap, encode(submap)}, now);
+    auto message = uplink_.next(receipt_, now);
+    if (!message) return;
+    channel_.send(localizer_, *std::move(message), now);
     ++statistics_.submaps_sent;
     selector_.sent(now);
   } catch (const NotEncodable&) {  // out of range of the wire type; the next one may fit
@@ -60,7 +65,6 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
   std::vector<LocalizationResult> answers;
   for (const Message& message : channel_.receive(now)) {
     if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload, now);
-    if (message.topic == Topic::kCorrection) receive_correction(message.payload);
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
@@ -68,6 +72,7 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
   if (!localizer_.empty()) {
     if (const auto repetition = announcer_.repetition(now)) announce(*repetition, now);
   }
+  send_submap(now);
   send_status(now);
   return answers;
 }
@@ -90,22 +95,20 @@ void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
   refuse(taken.error());
 }
 
-void CloudClient::receive_correction(const Bytes& payload) {
-  auto decoded = decode_correction(payload);
-  if (!decoded) return refuse(decoded.error());
-  auto& correction = *decoded;
-  if (const auto valid = check(correction); !valid) return refuse(valid.error());
+// The newest one counts; a repeated or late answer brings none.
+void CloudClient::receive_correction(Correction correction) {
+  if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) return;
   corrected_anchor_ = correction.anchor;
   correction_ = std::move(correction);
 }
 
 std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_localization_result(payload);
+  auto decoded = decode_answer(payload);
   if (!decoded) {
     refuse(decoded.error());
     return std::nullopt;
   }
-  auto& answer = *decoded;
+  LocalizationResult& answer = decoded->result;
   if (const auto valid = check(answer); !valid) {
     refuse(valid.error());
     check_for_duplicate_id(answer, now);
@@ -117,7 +120,9 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
   }
   announcer_.answered();
   selector_.answered(now);
-  sender_.acknowledge(answer, now);
+  uplink_.acknowledge(answer, now);
+  note_receipt(answer);
+  if (decoded->correction) receive_correction(*std::move(decoded->correction));
   if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
   if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
   newest_ = answer;
@@ -133,7 +138,7 @@ expected<void, MessageRefusal> CloudClient::check(const LocalizationResult& answ
   }
   if (answer.localizer != localizer_) return unexpected(kOtherLocalizer);
   const bool asks = answer.status == LocalizationStatus::kNeedFull;
-  if (asks && !sender_.awaits(answer.keyframe)) return unexpected(kNotAsked);
+  if (asks && !uplink_.sender().awaits(answer.keyframe)) return unexpected(kNotAsked);
   if (answer.incarnation < selector_.incarnation() ||
       (!asks && answer.incarnation != selector_.incarnation())) {
     return unexpected(kOtherIncarnation);
@@ -142,20 +147,12 @@ expected<void, MessageRefusal> CloudClient::check(const LocalizationResult& answ
   return {};
 }
 
-expected<void, MessageRefusal> CloudClient::check(const Correction& correction) const {
-  using enum MessageRefusal;
-  const std::optional<RobotSession>& session = announcer_.session();
-  if (correction.robot != robot_ || !session || correction.session != session->session) {
-    return unexpected(kCorrectionOfOtherSession);
-  }
-  if (correction.localizer != localizer_) return unexpected(kCorrectionOfOtherLocalizer);
-  if (correction.incarnation != selector_.incarnation()) {
-    return unexpected(kCorrectionOfOtherIncarnation);
-  }
-  if (corrected_anchor_ && correction.anchor <= *corrected_anchor_) {
-    return unexpected(kOutdatedCorrection);
-  }
-  return {};
+// Answers are numbered by the incarnation of a localizer.
+void CloudClient::note_receipt(const LocalizationResult& answer) {
+  const SampleNumber number{answer.number};
+  if (!answers_.is_new(number)) return;
+  answers_.store(number);
+  receipt_ = {.newest = std::max(receipt_.newest, answer.number), .loss = answers_.expected_loss()};
 }
 
 // The localizer does not know the session: it was restarted, has dropped it or never received it.
@@ -218,7 +215,9 @@ void CloudClient::update_localizer(Timestamp now) {
 void CloudClient::start_stream(Timestamp now) {
   status_sent_.reset();
   if (!announcer_.session()) return;
-  sender_.restart(announcer_.session()->session, selector_.incarnation());
+  answers_ = {};
+  receipt_ = {};
+  uplink_.restart(announcer_.session()->session, selector_.incarnation());
   announce(announcer_.announcement(localizer_, selector_.incarnation(), now), now);
 }
 
@@ -243,7 +242,7 @@ void CloudClient::send_status(Timestamp now) {
                            .quality = quality_,
                            .submaps_sent = statistics_.submaps_sent,
                            .answers_applied = answers_applied_,
-                           .round_trip = sender_.round_trip()};
+                           .round_trip = uplink_.sender().round_trip()};
   channel_.send(localizer_, {Topic::kRobotStatus, encode(status)}, now);
 }
 
@@ -256,13 +255,13 @@ std::vector<std::string> CloudClient::take_events() {
 }
 
 LocalizerSelector::Link CloudClient::link() const {
-  return {.round_trip = sender_.round_trip(), .loss = sender_.loss()};
+  return {.round_trip = uplink_.sender().round_trip(), .loss = uplink_.sender().loss()};
 }
 
 CloudClient::Statistics CloudClient::statistics() const {
   Statistics statistics = statistics_;
-  statistics.round_trip = sender_.round_trip();
-  statistics.loss = sender_.loss();
+  statistics.round_trip = uplink_.sender().round_trip();
+  statistics.loss = uplink_.sender().loss();
   statistics.localizer = localizer_;
   return statistics;
 }
@@ -274,8 +273,8 @@ LinkTraffic CloudClient::traffic() const {
           .downlink_bytes = bytes.received_payload_bytes,
           .uplink_wire_bytes = bytes.sent_wire_bytes,
           .downlink_wire_bytes = bytes.received_wire_bytes,
-          .loss = sender_.loss(),
-          .round_trip = sender_.round_trip()};
+          .loss = uplink_.sender().loss(),
+          .round_trip = uplink_.sender().round_trip()};
 }
 
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
@@ -284,6 +283,7 @@ CloudClient::Config read_cloud_client_config(ConfigReader config) {
           .announcement = {.interval_s = announcement.positive("interval_s"),
                            .max_interval_s = announcement.positive("max_interval_s"),
                            .min_interval_s = announcement.positive("min_interval_s")},
+          .uplink = read_submap_uplink_config(config.section("uplink")),
           .status_interval_s = config.positive("status_interval_s")};
 }
 

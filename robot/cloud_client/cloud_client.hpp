@@ -10,11 +10,12 @@
 #include "robot/cloud_client/localizer_selector.hpp"
 #include "robot/cloud_client/message_refusal.hpp"
 #include "robot/cloud_client/session_announcer.hpp"
+#include "robot/uplink/submap_uplink.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
-#include "shared/protocol/submap_sender.hpp"
+#include "shared/protocol/submap_receiver.hpp"
 
 namespace fleetloc {
 
@@ -22,8 +23,7 @@ class ConfigReader;
 
 /// The robot's end of the protocol: selects a localizer, announces the session to it, sends submaps
 /// and returns each answer once. When the localizer stops answering, restarts or loses the session,
-/// the session is announced again with the newest estimate of T_map_odom. Without a localizer
-/// submaps are dropped and counted, never queued: an old submap is worth less than the next one.
+/// the session is announced again with the newest estimate of T_map_odom.
 ///
 /// From the first applied answer on, only localizers with that answer's map are used.
 class CloudClient final : public MapLocalizer {
@@ -31,6 +31,7 @@ class CloudClient final : public MapLocalizer {
   struct Config {
     LocalizerSelector::Config selector;
     SessionAnnouncer::Config announcement;
+    SubmapUplink::Config uplink;
     double status_interval_s;  ///< of RobotStatus
   };
   struct Statistics {
@@ -65,16 +66,17 @@ class CloudClient final : public MapLocalizer {
 
  private:
   void receive_status(const Bytes& payload, Timestamp now);
-  void receive_correction(const Bytes& payload);
+  void receive_correction(Correction correction);
+  void note_receipt(const LocalizationResult& answer);
   std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
   [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;
-  [[nodiscard]] expected<void, MessageRefusal> check(const Correction& correction) const;
   void session_requested(const LocalizationResult& answer, Timestamp now);
   void update_localizer(Timestamp now);
   void report_warning();
   void check_for_duplicate_id(const LocalizationResult& answer, Timestamp now);
   void start_stream(Timestamp now);
   void announce(const RobotSession& session, Timestamp now);
+  void send_submap(Timestamp now);
   void send_status(Timestamp now);
   template <typename Reason>
   void refuse(Reason reason) {
@@ -93,7 +95,9 @@ class CloudClient final : public MapLocalizer {
   Quality quality_ = Quality::kInitializing;
   std::uint64_t answers_applied_ = 0;
   std::optional<MapHash> answered_map_;  // of the newest answer with a pose
-  SubmapSender sender_;
+  SubmapUplink uplink_;
+  SubmapReceiver answers_;                      // by their numbers
+  AnswerReceipt receipt_;                       // what the localizer is told of them
   std::optional<LocalizationResult> newest_;    // of this session
   std::optional<Correction> correction_;        // not yet consumed
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session

@@ -16,14 +16,6 @@ std::string_view name(MessageRefusal refusal) {
       return "not_asked";
     case MessageRefusal::kOtherMap:
       return "other_map";
-    case MessageRefusal::kCorrectionOfOtherSession:
-      return "correction_of_other_session";
-    case MessageRefusal::kCorrectionOfOtherLocalizer:
-      return "correction_of_other_localizer";
-    case MessageRefusal::kCorrectionOfOtherIncarnation:
-      return "correction_of_other_incarnation";
-    case MessageRefusal::kOutdatedCorrection:
-      return "outdated_correction";
   }
   return "unknown";
 }

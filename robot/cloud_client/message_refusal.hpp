@@ -12,10 +12,6 @@ enum class MessageRefusal {
   kOtherIncarnation,  ///< of the chosen localizer
   kNotAsked,          ///< no such submap was sent
   kOtherMap,          ///< than the one that this robot's poses refer to
-  kCorrectionOfOtherSession,
-  kCorrectionOfOtherLocalizer,
-  kCorrectionOfOtherIncarnation,
-  kOutdatedCorrection,
 };
 
 /// Name in summary.json.

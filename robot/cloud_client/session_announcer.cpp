@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace fleetloc {
+namespace {
+
+constexpr double kGrowth = 1.25;
+
+}  // namespace
 
 void SessionAnnouncer::start(const RobotSession& session) {
   session_ = session;
@@ -38,7 +43,7 @@ std::optional<RobotSession> SessionAnnouncer::requested(Timestamp now) {
 // With the same start: another one would make the localizer restart the session.
 std::optional<RobotSession> SessionAnnouncer::repetition(Timestamp now) {
   if (!session_ || is_answered_ || to_seconds(now - announced_) < interval_s_) return std::nullopt;
-  interval_s_ = std::min(2.0 * interval_s_, config_.max_interval_s);
+  interval_s_ = std::min(kGrowth * interval_s_, config_.max_interval_s);
   announced_ = now;
   return session_;
 }

@@ -14,7 +14,7 @@ namespace fleetloc {
 class SessionAnnouncer {
  public:
   struct Config {
-    double interval_s;  ///< until the first answer; doubles each time
+    double interval_s;  ///< until the first answer; grows by a quarter each time
     double max_interval_s;
     double min_interval_s;  ///< however often the localizer asks for it
   };
@@ -26,6 +26,9 @@ class SessionAnnouncer {
 
   /// For the next localizer that does not know the session.
   void update_start(const MapOdomEstimate& start) { newest_start_ = start; }
+
+  /// Of the submaps that follow.
+  void set_encoding(SubmapEncoding encoding) { session_->encoding = encoding; }
 
   /// The start cannot be encoded.
   void drop_start();

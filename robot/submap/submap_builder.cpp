@@ -101,6 +101,7 @@ void SubmapBuilder::update_edge(const EdgeKey& key, const RelativePose& relative
                      .T_from_to = relative.T_from_to,
                      .information = relative.information / config_.edge_covariance_inflation});
   sent.final = final;
+  sent.edge.is_final = final;
 }
 
 // A landmark was marginalized if a keyframe that left the window observes it and no keyframe of the

@@ -89,9 +89,6 @@ class SubmapBuilder {
   Diagnostics diagnostics_;
 };
 
-/// pi: the tilt_sigma of a keyframe whose tilt is not measured.
-inline constexpr double kUnknownTiltRad = 3.14159;
-
 SubmapBuilder::Config read_submap_builder_config(ConfigReader section);
 
 }  // namespace fleetloc

@@ -4,13 +4,14 @@
 # #include by the test `layers`.
 set(FLEETLOC_LAYERS
     "shared/core idl"
-    "shared/geometry shared/concurrency shared/config"
+    "shared/geometry shared/concurrency shared/config shared/coding"
     "shared/model shared/link shared/transport/workarounds"
     "shared/factors shared/wire shared/transport shared/trajectory shared/dataset"
+    "shared/compact"
     "shared/protocol"
     "robot/sensors"
     "robot/dataset robot/tracking robot/inertial cloud/point_cloud"
-    "robot/vio robot/submap robot/fusion cloud/laser_map cloud/mapping"
+    "robot/vio robot/submap robot/fusion robot/uplink cloud/laser_map cloud/mapping"
     "robot/odometry robot/cloud_client cloud/localizer"
     "robot/pipeline cloud/pool"
     "robot/runtime"

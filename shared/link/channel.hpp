@@ -9,7 +9,14 @@
 namespace fleetloc {
 
 /// The topics of the system, idl/ has their types.
-enum class Topic { kSession, kSubmap, kLocalization, kCorrection, kRobotStatus, kLocalizerStatus };
+enum class Topic {
+  kSession,
+  kSubmap,  ///< in the full encoding
+  kCompactSubmap,
+  kLocalization,
+  kRobotStatus,
+  kLocalizerStatus
+};
 
 /// A serialized sample: CDR with its four bytes of encapsulation, as DDS carries it.
 using Bytes = std::vector<std::uint8_t>;

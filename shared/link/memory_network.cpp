@@ -41,10 +41,10 @@ bool hears(const Member& receiver,
     case Topic::kSession:
       return !receiver.is_robot;
     case Topic::kSubmap:
+    case Topic::kCompactSubmap:
     case Topic::kRobotStatus:
       return !receiver.is_robot && partition == receiver.name;
     case Topic::kLocalization:
-    case Topic::kCorrection:
       return receiver.is_robot && partition == receiver.name;
     case Topic::kLocalizerStatus:
       return receiver.is_robot;

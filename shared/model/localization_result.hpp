@@ -39,6 +39,7 @@ struct LocalizationResult {
   SessionNumber session{};
   std::string localizer;
   Incarnation incarnation{};
+  std::uint32_t number = 0;  ///< from 1, +1 per sample to this robot: tells which ones were lost
   Acknowledgements acknowledgements;
   LocalizationStatus status{};
   KeyframeId keyframe{};
@@ -48,8 +49,7 @@ struct LocalizationResult {
   MapHash map_hash{};
   Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows
   Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_body
-  Pose T_map_odom;          ///< for display and for starting; the robot fuses T_map_body
-  Duration holding_time{};  ///< spent in the cloud
+  Duration holding_time{};                 ///< spent in the cloud
 };
 
 }  // namespace fleetloc

@@ -10,7 +10,8 @@
 
 namespace fleetloc {
 
-enum class SubmapEncoding { kFull, kDelta };
+/// How submaps are sent: as the paper has it, or one datagram at a time.
+enum class SubmapEncoding { kFull, kCompact };
 
 /// Estimate of T_map_odom when the robot was at `p_odom`; the odometry's drift since then adds to
 /// its covariance.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,13 +13,30 @@
 
 namespace fleetloc {
 
+/// pi: the tilt_sigma of a keyframe whose tilt is not measured.
+inline constexpr double kUnknownTiltRad = 3.14159;
+
+/// Which landmarks the observations of a keyframe are of: all, or every second one.
+struct ObservationSubset {
+  std::uint32_t stride = 1;  ///< 1 or 2
+  std::uint32_t offset = 0;  ///< below stride
+
+  [[nodiscard]] bool has(LandmarkId landmark, KeyframeId keyframe) const {
+    return (static_cast<std::uint32_t>(landmark) + static_cast<std::uint32_t>(keyframe)) % stride ==
+           offset;
+  }
+};
+
 /// A keyframe for the cloud: observations, and initial values.
 struct SubmapKeyframe {
   KeyframeId id{};
   Revision revision{};  ///< of this item; the newest wins
   Timestamp stamp;
-  Pose T_odom_body;     ///< an estimate, never a measurement
-  double tilt_sigma{};  ///< of its roll and pitch, without what came from the cloud [rad]
+  Pose T_odom_body;            ///< an estimate, never a measurement
+  double tilt_sigma{};         ///< of its roll and pitch, without what came from the cloud [rad]
+  bool is_reference = false;   ///< only edges need it: its observations are not in this submap
+  double pixel_step_px = 0.0;  ///< the observations are rounded to multiples of it; 0: exact
+  ObservationSubset subset{};  ///< of other landmarks nothing is said
   std::vector<StereoObservation> observations;  ///< strictly increasing by landmark
 };
 
@@ -31,6 +49,7 @@ struct VirtualEdge {
   Revision revision{};  ///< of this item; the newest wins
   Pose T_from_to;
   Matrix6d information = Matrix6d::Identity();
+  bool is_final = false;  ///< the robot will not estimate it again
 };
 
 /// The robot's estimate of a landmark: an initial value, never a measurement.
@@ -49,5 +68,28 @@ struct Submap {
   std::vector<VirtualEdge> edges;         ///< strictly increasing by `to`
   std::vector<SubmapLandmark> landmarks;  ///< strictly increasing by id
 };
+
+/// What a submap tells of itself: whose it is, and which.
+struct SubmapHeader {
+  RobotId robot;
+  SessionNumber session{};
+  Incarnation incarnation{};  ///< of the receiving localizer
+  SampleNumber number{};
+  KeyframeId keyframe{};  ///< the newest one
+  Revision revision{};    ///< of that keyframe
+  Timestamp stamp;        ///< of that keyframe
+};
+
+/// Expects at least one keyframe.
+inline SubmapHeader header_of(const Submap& submap) {
+  const SubmapKeyframe& newest = submap.keyframes.back();
+  return {.robot = submap.robot,
+          .session = submap.session,
+          .incarnation = submap.incarnation,
+          .number = submap.number,
+          .keyframe = newest.id,
+          .revision = newest.revision,
+          .stamp = newest.stamp};
+}
 
 }  // namespace fleetloc

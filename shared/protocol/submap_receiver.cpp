@@ -4,9 +4,15 @@
 
 namespace fleetloc {
 
-bool SubmapReceiver::is_new(SampleNumber number) const {
+bool SubmapReceiver::is_new(SampleNumber number) {
   const auto n = static_cast<std::uint32_t>(number);
   if (n < base_) return false;
+  if (bitmap_ != 0 && n - base_ > kFarAhead) {
+    const bool is_confirmed =
+        far_ahead_ && n != *far_ahead_ && n - *far_ahead_ + kFarAhead < 2 * kFarAhead;
+    far_ahead_ = n;
+    return is_confirmed;
+  }
   return n - base_ >= 64 || ((bitmap_ >> (n - base_)) & 1U) == 0;
 }
 
@@ -26,6 +32,13 @@ void SubmapReceiver::store(SampleNumber number) {
 
 Acknowledgements SubmapReceiver::acknowledgements() const {
   return {SampleNumber{base_}, bitmap_};
+}
+
+double SubmapReceiver::expected_loss() const {
+  constexpr double kPriorLoss = 0.25;
+  constexpr double kPriorSamples = 2.0;
+  const int span = bitmap_ == 0 ? 0 : 64 - std::countl_zero(bitmap_);
+  return (span * loss() + kPriorSamples * kPriorLoss) / (span + kPriorSamples);
 }
 
 double SubmapReceiver::loss() const {

@@ -1,18 +1,25 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "shared/model/localization_result.hpp"
 
 namespace fleetloc {
 
-/// The localizer's end of one session's submap stream: tells which samples are new and records
-/// which were stored. The acknowledgements cover the latest 64 sample numbers; what is older and
-/// was never stored is given up and counts as lost.
+/// The receiving end of a stream of numbered samples: tells which ones are new and records which
+/// were stored. The acknowledgements cover the latest 64 sample numbers; what is older and was
+/// never stored is given up and counts as lost.
+///
+/// A number far ahead of the others is believed only when a second one is near it: a single wrong
+/// sample must not make all that follow look old.
 class SubmapReceiver {
  public:
-  /// False for a number that was stored before, or that is too old to tell.
-  [[nodiscard]] bool is_new(SampleNumber number) const;
+  static constexpr std::uint32_t kFarAhead = 1024;
+
+  /// False for a number that was stored before, that is too old to tell, or that is the first one
+  /// far ahead.
+  bool is_new(SampleNumber number);
 
   /// To be called after the sample has been validated and stored.
   void store(SampleNumber number);
@@ -22,9 +29,14 @@ class SubmapReceiver {
   /// Share of the covered numbers up to the newest one that never arrived.
   [[nodiscard]] double loss() const;
 
+  /// The same as an expectation: where few are covered, between that and a link of which nothing is
+  /// known.
+  [[nodiscard]] double expected_loss() const;
+
  private:
   std::uint32_t base_ = 0;  // everything below is stored, given up or before the first
   std::uint64_t bitmap_ = 0;
+  std::optional<std::uint32_t> far_ahead_;  // the latest such number
 };
 
 }  // namespace fleetloc

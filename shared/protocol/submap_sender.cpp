@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxInFlight = 256;  // answers to older samples give no round trip
+constexpr std::size_t kMaxInFlight = 128;  // answers to older samples give no round trip
 
 }  // namespace
 
@@ -16,6 +16,7 @@ void SubmapSender::restart(SessionNumber session, Incarnation incarnation) {
   fresh.session_ = session;
   fresh.incarnation_ = incarnation;
   fresh.round_trip_ = round_trip_;  // the network is still the same
+  fresh.round_trips_ = round_trips_;
   // A localizer that this robot comes back to may remember the session and its numbers.
   if (session == session_) fresh.next_number_ = next_number_;
   *this = std::move(fresh);
@@ -36,7 +37,7 @@ void SubmapSender::prepare(Submap& submap, Timestamp now) {
 }
 
 void SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) {
-  if (answer.session != session_ || answer.incarnation != incarnation_) return;
+  if (!is_of_stream(answer)) return;
   const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);
   if (base > acknowledged_base_) {
     const std::uint32_t shift = base - acknowledged_base_;
@@ -49,7 +50,24 @@ void SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) 
       in_flight_, [&](const auto& item) { return item.second.newest == answer.keyframe; });
   if (sent == in_flight_.end() || answer.status == LocalizationStatus::kNeedFull) return;
   round_trip_ = now - sent->second.at;
+  ++round_trips_;
   in_flight_.erase(in_flight_.begin(), std::next(sent));
+}
+
+double SubmapSender::expected_loss(Timestamp now) const {
+  constexpr double kPriorLoss = 0.25;
+  constexpr double kPriorSamples = 2.0;
+  constexpr double kPatienceSeconds =
+      2.0;  // acknowledgements come with answers, which get lost, too
+  constexpr double kPatienceRoundTrips = 2.0;
+  const int span = acknowledged_bitmap_ == 0 ? 0 : 64 - std::countl_zero(acknowledged_bitmap_);
+  const std::uint32_t known = acknowledged_base_ + static_cast<std::uint32_t>(span);
+  const Duration patience = from_seconds(
+      kPatienceSeconds + kPatienceRoundTrips * to_seconds(round_trip_.value_or(Duration{})));
+  const auto overdue = static_cast<double>(std::ranges::count_if(in_flight_, [&](const auto& item) {
+    return item.first >= known && item.second.at + patience < now;
+  }));
+  return (span * loss() + overdue + kPriorSamples * kPriorLoss) / (span + overdue + kPriorSamples);
 }
 
 // Samples after the last acknowledged one may still be on their way, so they do not count.

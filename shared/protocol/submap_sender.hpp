@@ -30,8 +30,21 @@ class SubmapSender {
   /// From sending a submap to the first answer for its newest keyframe; the latest measured.
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
 
+  /// How many round trips were measured.
+  [[nodiscard]] std::uint64_t round_trips() const { return round_trips_; }
+
   /// Share of the latest samples, up to 64, that should be acknowledged by now and are not.
   [[nodiscard]] double loss() const;
+
+  /// The same as an expectation. Samples that were sent after the last acknowledged one count as
+  /// lost once an acknowledgement is overdue; where few samples are known, it is between that and a
+  /// link of which nothing is known.
+  [[nodiscard]] double expected_loss(Timestamp now) const;
+
+  /// Whether the answer's acknowledgements are of this session and incarnation.
+  [[nodiscard]] bool is_of_stream(const LocalizationResult& answer) const {
+    return answer.session == session_ && answer.incarnation == incarnation_;
+  }
 
   [[nodiscard]] std::uint32_t sent() const { return next_number_; }
 
@@ -48,6 +61,7 @@ class SubmapSender {
   std::uint64_t acknowledged_bitmap_ = 0;
   std::map<std::uint32_t, Sent> in_flight_;  // by sample number
   std::optional<Duration> round_trip_;
+  std::uint64_t round_trips_ = 0;
 };
 
 }  // namespace fleetloc

@@ -52,11 +52,11 @@ std::vector<DdsConnection::Subscription> DdsConnection::subscribe(const DdsChann
   };
   if (end.role == ChannelRole::kRobot) {
     subscribe_to(Topic::kLocalization, end.name);
-    subscribe_to(Topic::kCorrection, end.name);
     subscribe_to(Topic::kLocalizerStatus, "");
   } else {
     subscribe_to(Topic::kSession, "");
     subscribe_to(Topic::kSubmap, end.name);
+    subscribe_to(Topic::kCompactSubmap, end.name);
     subscribe_to(Topic::kRobotStatus, end.name);
   }
   return subscriptions;

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include <idl/correctionPubSubTypes.h>
+#include <idl/compact_submapPubSubTypes.h>
 #include <idl/localizationPubSubTypes.h>
 #include <idl/posePubSubTypes.h>
 #include <idl/sessionPubSubTypes.h>
@@ -29,10 +29,10 @@ TopicSpec topic_spec(Topic topic) {
       return spec<wire::RobotSessionPubSubType>("session");
     case Topic::kSubmap:
       return spec<wire::SubmapPubSubType>("submap");
+    case Topic::kCompactSubmap:
+      return spec<wire::CompactSubmapPubSubType>("compact_submap");
     case Topic::kLocalization:
       return spec<wire::LocalizationResultPubSubType>("localization");
-    case Topic::kCorrection:
-      return spec<wire::CorrectionPubSubType>("correction");
     case Topic::kRobotStatus:
       return spec<wire::RobotStatusPubSubType>("robot_status");
     case Topic::kLocalizerStatus:

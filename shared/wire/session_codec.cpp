@@ -24,7 +24,7 @@ Validity check_stereo(const wire::RobotSession& sample) {
 }
 
 Validity check_sample(const wire::RobotSession& sample) {
-  if (sample.encoding() > wire::DELTA) return unexpected(Malformed::kUnknownValue);
+  if (sample.encoding() > wire::COMPACT) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
   if (const Validity valid = check_stereo(sample); !valid) return valid;
   if (const Validity valid = check(sample.p_odom()); !valid) return valid;
@@ -43,7 +43,7 @@ Bytes encode(const RobotSession& session) {
   sample.incarnation(static_cast<std::uint32_t>(session.incarnation));
   sample.session(static_cast<std::uint32_t>(session.session));
   sample.start_stamp_ns(to_wire(session.start_stamp));
-  sample.encoding(session.encoding == SubmapEncoding::kFull ? wire::FULL : wire::DELTA);
+  sample.encoding(session.encoding == SubmapEncoding::kFull ? wire::FULL : wire::COMPACT);
   sample.focal_px(session.stereo.focal_px);
   sample.center_px({session.stereo.center_px.x(), session.stereo.center_px.y()});
   sample.baseline_m(session.stereo.baseline_m);
@@ -61,18 +61,18 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
   const auto decoded = valid_from_cdr<wire::RobotSession>(bytes, 2, check_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
-  RobotSession session{
-      .robot = sample.robot().to_string(),
-      .session = SessionNumber{sample.session()},
-      .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
-      .localizer = sample.localizer().to_string(),
-      .incarnation = Incarnation{sample.incarnation()},
-      .encoding = sample.encoding() == wire::FULL ? SubmapEncoding::kFull : SubmapEncoding::kDelta,
-      .stereo = {.focal_px = sample.focal_px(),
-                 .center_px = {sample.center_px()[0], sample.center_px()[1]},
-                 .baseline_m = sample.baseline_m(),
-                 .T_body_cam0 = from_wire(sample.T_body_cam0())},
-      .start = std::nullopt};
+  RobotSession session{.robot = sample.robot().to_string(),
+                       .session = SessionNumber{sample.session()},
+                       .start_stamp = stamp_from_wire(sample.start_stamp_ns()),
+                       .localizer = sample.localizer().to_string(),
+                       .incarnation = Incarnation{sample.incarnation()},
+                       .encoding = sample.encoding() == wire::FULL ? SubmapEncoding::kFull
+                                                                   : SubmapEncoding::kCompact,
+                       .stereo = {.focal_px = sample.focal_px(),
+                                  .center_px = {sample.center_px()[0], sample.center_px()[1]},
+                                  .baseline_m = sample.baseline_m(),
+                                  .T_body_cam0 = from_wire(sample.T_body_cam0())},
+                       .start = std::nullopt};
   if (sample.has_start()) {
     session.start = MapOdomEstimate{.T_map_odom = from_wire(sample.T_map_odom()),
                                     .covariance = from_wire(sample.covariance()),

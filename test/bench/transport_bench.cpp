@@ -19,6 +19,7 @@
 #include "test/transport/rtps_messages.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
+#include "test/unit/compact/moving_robot.hpp"
 #include "test/unit/wire/samples.hpp"
 
 namespace fleetloc {
@@ -162,8 +163,12 @@ std::vector<Sample> samples() {
   std::vector<Sample> samples;
   samples.push_back({"session", topic_spec(Topic::kSession), encode(some_session())});
   samples.push_back({"submap", topic_spec(Topic::kSubmap), encode(some_submap(10, 80))});
-  samples.push_back({"localization", topic_spec(Topic::kLocalization), encode(some_answer())});
-  samples.push_back({"correction", topic_spec(Topic::kCorrection), correction_at(7, 60).payload});
+  samples.push_back({"localization",
+                     topic_spec(Topic::kLocalization),
+                     encode(Answer{some_answer(), some_correction()}, 1200)});
+  samples.push_back({"compact_submap",
+                     topic_spec(Topic::kCompactSubmap),
+                     encode_compact(moving_robot(100, 10), {}, {}, some_stereo())});
   samples.push_back({"robot_status", topic_spec(Topic::kRobotStatus), encode(some_robot_status())});
   samples.push_back(
       {"localizer_status", topic_spec(Topic::kLocalizerStatus), encode(some_localizer_status())});

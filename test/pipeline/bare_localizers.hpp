@@ -8,11 +8,10 @@
 #include "robot/cloud_client/cloud_client.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/link/memory_network.hpp"
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
+#include "test/answer_bytes.hpp"
 
 namespace fleetloc {
 
@@ -80,8 +79,15 @@ class CloudClientTest : public testing::Test {
     return correction;
   }
 
+  /// A localized answer that brings them.
   void send(const Correction& correction, int ms) {
-    idle_->send("robot", {Topic::kCorrection, encode(correction)}, at(ms));
+    LocalizationResult localized =
+        answer(correction.localizer, static_cast<std::uint32_t>(correction.anchor));
+    localized.robot = correction.robot;
+    localized.session = correction.session;
+    localized.incarnation = correction.incarnation;
+    idle_->send(
+        "robot", {Topic::kLocalization, encode(Answer{localized, correction}, 1200)}, at(ms));
   }
 
   static int count(const std::vector<Message>& messages, Topic topic) {

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
+#include "test/answer_bytes.hpp"
 #include "test/pipeline/simulated_system.hpp"
 #include "test/unit/wire/samples.hpp"
 

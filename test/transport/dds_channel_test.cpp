@@ -42,28 +42,6 @@ TEST_F(DdsChannelTest, CarriesSubmapsAndAnswers) {
       [&](const Message& m) { return m.topic == answer.topic && m.payload == answer.payload; }));
 }
 
-TEST_F(DdsChannelTest, CarriesCorrectionsInOneDatagramToTheirOwnRobotOnly) {
-  DdsChannel other(on_loopback(network_.domain(), ChannelRole::kRobot, "robot_2"));
-  const Message correction = correction_at(7, 75);
-  EXPECT_EQ(datagram_sizes(correction.payload.size()).size(), 1);
-  EXPECT_TRUE(receives(
-      robot_,
-      [&] { cloud_.send("robot_1", correction, {}); },
-      [&](const Message& m) {  // RTPS fills the last word
-        return m.topic == Topic::kCorrection && m.payload.size() < correction.payload.size() + 4 &&
-               std::ranges::mismatch(correction.payload, m.payload).in1 == correction.payload.end();
-      }));
-  // What is sent to the other robot later has arrived: so would the correction have.
-  EXPECT_TRUE(receives(
-      other,
-      [&] { cloud_.send("robot_2", answer_to(1, wire::LOCALIZED), {}); },
-      [&](const Message& m) {
-        EXPECT_NE(m.topic, Topic::kCorrection);
-        return m.topic == Topic::kLocalization;
-      }));
-  EXPECT_EQ(cloud_.matched_readers(Topic::kCorrection, "robot_2"), 1);
-}
-
 TEST_F(DdsChannelTest, CarriesSubmapsThatNeedManyDatagrams) {
   const Message large = numbered_submap(1, "robot_1", 6000);
   ASSERT_EQ(datagram_sizes(large.payload.size()).size(), 10);

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <idl/correctionPubSubTypes.h>
 #include <idl/localizationPubSubTypes.h>
 #include <idl/sessionPubSubTypes.h>
 #include <idl/submapPubSubTypes.h>
@@ -57,18 +56,6 @@ inline Message answer_to(std::uint32_t number, wire::LocalizationStatus status) 
   result.status(status);
   return {.topic = Topic::kLocalization,
           .payload = to_bytes<wire::LocalizationResultPubSubType>(result)};
-}
-
-/// @param landmarks  for a size: one more is 15 bytes more
-inline Message correction_at(std::uint32_t anchor, std::size_t landmarks) {
-  wire::Correction correction;
-  correction.robot("robot_1");
-  correction.anchor(anchor);
-  correction.landmark_id().resize(landmarks, 1);
-  correction.landmark_position().resize(3 * landmarks);
-  correction.landmark_scale().resize(landmarks);
-  correction.landmark_information().resize(6 * landmarks);
-  return {.topic = Topic::kCorrection, .payload = to_bytes<wire::CorrectionPubSubType>(correction)};
 }
 
 inline std::uint32_t number_of(const Message& submap) {

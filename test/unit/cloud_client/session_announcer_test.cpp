@@ -39,11 +39,11 @@ TEST_F(SessionAnnouncerTest, RepeatsEverMoreRarelyUntilThereIsAnAnswer) {
   for (int tenths = 0; tenths < 200; ++tenths) {
     if (announcer_.repetition(at(0.1 * tenths))) repeated_s.push_back(0.1 * tenths);
   }
-  ASSERT_EQ(repeated_s.size(), 6);
+  ASSERT_GE(repeated_s.size(), 8);
   EXPECT_NEAR(repeated_s[0], 1.0, 0.01);
-  EXPECT_NEAR(repeated_s[1] - repeated_s[0], 2.0, 0.01);
-  EXPECT_NEAR(repeated_s[2] - repeated_s[1], 4.0, 0.01);
-  EXPECT_NEAR(repeated_s[5] - repeated_s[4], 4.0, 0.01);
+  EXPECT_NEAR(repeated_s[1] - repeated_s[0], 1.25, 0.11);
+  EXPECT_NEAR(repeated_s[2] - repeated_s[1], 1.5625, 0.11);
+  EXPECT_NEAR(repeated_s.back() - repeated_s[repeated_s.size() - 2], 4.0, 0.11);
   announcer_.answered();
   EXPECT_FALSE(announcer_.repetition(at(100.0)).has_value());
 }

@@ -52,7 +52,7 @@ TEST(MemoryNetwork, CarriesEveryTopicToThoseWhoHearIt) {
   robot->send("cloud", message(Topic::kRobotStatus, 3), kStart);
   cloud->send("robot", message(Topic::kLocalization, 4), kStart);
   cloud->send("", message(Topic::kLocalizerStatus, 5), kStart);
-  cloud->send("robot", message(Topic::kCorrection, 6), kStart);
+  cloud->send("robot", message(Topic::kLocalization, 6), kStart);
   EXPECT_THAT(contents(cloud->receive(kStart)), ElementsAre(1, 2, 3));
   EXPECT_THAT(contents(other_cloud->receive(kStart)), ElementsAre(1));
   EXPECT_THAT(contents(robot->receive(kStart)), ElementsAre(4, 5, 6));

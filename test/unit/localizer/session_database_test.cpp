@@ -50,7 +50,7 @@ TEST(SessionDatabase, KeepsTheNewestRevisionAndCountsNothingTwice) {
   EXPECT_EQ(database.add(again), (SessionDatabase::Added{.stored = 2, .repeated = 2}));
   EXPECT_EQ(database.keyframes().size(), 3U);
   EXPECT_EQ(database.newest().item.observations.size(), 2U);
-  EXPECT_EQ(database.edge_into(KeyframeId{3})->T_from_to.p.x(), 5.0);
+  EXPECT_EQ(database.spanning_edges().back()->T_from_to.p.x(), 5.0);
   EXPECT_FALSE(database.landmarks().contains(LandmarkId{3}));  // nobody observes it any more
 
   Submap older;
@@ -106,7 +106,45 @@ TEST(SessionDatabase, UsesTheShortestOfTheEdgesThatSpanTheSameTime) {
   composed.keyframes = {keyframe(4)};
   composed.edges = {edge(1, 4, 3.0), edge(2, 4, 2.0)};
   database.add(composed);
-  EXPECT_EQ(database.edge_into(KeyframeId{4})->from, KeyframeId{3});
+  const auto edges = database.spanning_edges();
+  ASSERT_EQ(edges.size(), 3U);
+  for (const VirtualEdge* one : edges) {
+    EXPECT_EQ(static_cast<std::uint32_t>(one->to), static_cast<std::uint32_t>(one->from) + 1);
+  }
+}
+
+// An edge over many keyframes that joins two pieces, though each of its ends has a shorter one.
+TEST(SessionDatabase, ALongEdgeBridgesAGapBetweenOthers) {
+  SessionDatabase database({.window = 10});
+  Submap submap;
+  for (const std::uint32_t id : {1U, 2U, 3U, 5U, 6U, 7U}) submap.keyframes.push_back(keyframe(id));
+  submap.edges = {edge(1, 2), edge(2, 3), edge(5, 6), edge(6, 7), edge(2, 7, 5.0)};
+  database.add(submap);
+  EXPECT_EQ(database.window().size(), 6U);
+  EXPECT_EQ(database.spanning_edges().size(), 5U);
+}
+
+TEST(SessionDatabase, MergesHalvesOfAKeyframesObservations) {
+  SessionDatabase database({.window = kWindow});
+  const auto half =
+      [](std::uint32_t offset, std::vector<std::uint32_t> landmarks, std::uint32_t revision) {
+        Submap submap;
+        submap.keyframes = {keyframe(4, landmarks, revision)};
+        submap.keyframes[0].subset = {.stride = 2, .offset = offset};
+        return submap;
+      };
+  const auto observed = [&] {
+    std::vector<std::uint32_t> ids;
+    for (const auto& one : database.newest().item.observations) {
+      ids.push_back(static_cast<std::uint32_t>(one.landmark));
+    }
+    return ids;
+  };
+  database.add(half(0, {2, 6, 8}, 1));
+  database.add(half(1, {3, 5}, 2));
+  EXPECT_EQ(observed(), (std::vector<std::uint32_t>{2, 3, 5, 6, 8}));
+  database.add(half(0, {2, 10}, 3));  // the robot has rejected 6 and 8 meanwhile
+  EXPECT_EQ(observed(), (std::vector<std::uint32_t>{2, 3, 5, 10}));
 }
 
 TEST(SessionDatabase, PlacesNewKeyframesAlongEdgesFromTheLastSolvedOne) {
@@ -116,7 +154,7 @@ TEST(SessionDatabase, PlacesNewKeyframesAlongEdgesFromTheLastSolvedOne) {
 
   database.store_solution(KeyframeId{2}, at(50.0));
   const auto poses = database.placed(window, at(100.0));
-  EXPECT_EQ(poses.at(KeyframeId{1}).p, at(101.0).p);
+  EXPECT_EQ(poses.at(KeyframeId{1}).p, at(49.0).p);
   EXPECT_EQ(poses.at(KeyframeId{2}).p, at(50.0).p);
   EXPECT_EQ(poses.at(KeyframeId{4}).p, at(52.0).p);
 }

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/wire/localization_result_codec.hpp"
-
 namespace fleetloc {
 namespace {
 
@@ -13,72 +11,123 @@ Timestamp at(double s) {
   return Timestamp{from_seconds(s)};
 }
 
-LocalizationResult some_answer() {
-  LocalizationResult answer;
-  answer.robot = "robot";
-  answer.localizer = "localizer";
-  answer.status = LocalizationStatus::kLocalized;
-  answer.covariance = Matrix6d::Identity();
-  return answer;
-}
-
-Correction some_correction() {
+Answer some_answer() {
+  LocalizationResult result;
+  result.robot = "robot";
+  result.localizer = "localizer";
+  result.status = LocalizationStatus::kLocalized;
+  result.covariance = Matrix6d::Identity();
   Correction correction;
-  correction.robot = "robot";
-  correction.localizer = "localizer";
   correction.landmarks.push_back({LandmarkId{1}, {1.0, 2.0, 3.0}, Eigen::Matrix3d::Identity()});
-  return correction;
+  return {result, correction};
 }
 
 class AnswerSenderTest : public testing::Test {
  protected:
-  AnswerSender sender_{{.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.3}};
+  /// The answer that is due, if one is.
+  std::optional<Answer> sent(double s) {
+    const auto message = sender_.due(received_, at(s));
+    if (!message) return std::nullopt;
+    EXPECT_EQ((*message)->topic, Topic::kLocalization);
+    return decode_answer((*message)->payload).value();
+  }
+  /// Answers sent from one time to another, looked for every 10 ms.
+  int count(double from_s, double to_s) {
+    int sum = 0;
+    for (double s = from_s; s < to_s; s += 0.01) sum += sent(s) ? 1 : 0;
+    return sum;
+  }
+
+  AnswerSender sender_{
+      {.retransmission = {.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.1},
+       .max_payload_bytes = 480,
+       .max_bytes_per_s = 2000.0,
+       .max_bytes_per_s_high_loss = 4000.0,
+       .high_loss = 0.75,
+       .burst_bytes = 2000.0}};
   SubmapReceiver received_;
 };
 
 TEST_F(AnswerSenderTest, SendsNothingBeforeTheFirstAnswer) {
-  EXPECT_TRUE(sender_.due(received_, at(0)).empty());
+  EXPECT_FALSE(sent(0));
   EXPECT_FALSE(sender_.is_localized());
 }
 
-TEST_F(AnswerSenderTest, SendsTheCorrectionOnceAndTheAnswerAgain) {
-  sender_.set(some_answer(), some_correction());
+TEST_F(AnswerSenderTest, SendsAnAnswerWithItsCorrectionAtOnceAndNumbersIt) {
+  sender_.set(some_answer());
   EXPECT_TRUE(sender_.is_localized());
-  const auto first = sender_.due(received_, at(0));
-  ASSERT_EQ(first.size(), 2);
-  EXPECT_EQ(first[0]->topic, Topic::kLocalization);
-  EXPECT_EQ(first[1]->topic, Topic::kCorrection);
-  EXPECT_TRUE(sender_.due(received_, at(0.9)).empty());
-  EXPECT_EQ(sender_.due(received_, at(1.0)).size(), 1);
+  const auto first = sent(0);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->result.number, 1);
+  EXPECT_TRUE(first->correction);
+  EXPECT_FALSE(sent(0.1));
+  sender_.set(some_answer());
+  EXPECT_EQ(sent(0.1)->result.number, 2);
 }
 
-TEST_F(AnswerSenderTest, ARepetitionAcknowledgesWhatHasArrivedMeanwhile) {
-  sender_.set(some_answer(), std::nullopt);
-  static_cast<void>(sender_.due(received_, at(0)));
+TEST_F(AnswerSenderTest, RepeatsTheMoreOftenTheMoreAnswersGetLost) {
+  sender_.note({.newest = 0, .loss = 0.0});
+  sender_.set(some_answer());
+  EXPECT_EQ(count(0.0, 3.9), 4);
+  sender_.note({.newest = 0, .loss = 0.1});
+  sender_.set(some_answer());
+  EXPECT_EQ(count(10.0, 12.9), 15);
+}
+
+TEST_F(AnswerSenderTest, RepeatsUntilTheRobotHasIt) {
+  sender_.note({.newest = 0, .loss = 0.5});
+  sender_.set(some_answer());
+  EXPECT_GT(count(0.0, 1.0), 3);
+  sender_.note({.newest = 1, .loss = 0.5});
+  EXPECT_EQ(count(1.0, 5.0), 0);
+}
+
+TEST_F(AnswerSenderTest, ReceiptsOfEarlierAnswersEndNothing) {
+  sender_.set(some_answer());
+  EXPECT_TRUE(sent(0));
+  sender_.set(some_answer());
+  sender_.note({.newest = 1, .loss = 0.5});
+  EXPECT_GT(count(1.0, 2.0), 3);
+}
+
+TEST_F(AnswerSenderTest, ARepetitionTellsHowLongTheAnswerWasHeldAndAcknowledgesWhatHasArrived) {
+  Answer answer = some_answer();
+  answer.result.holding_time = std::chrono::milliseconds(50);
+  sender_.set(answer);
+  EXPECT_EQ(sent(1.0)->result.holding_time, std::chrono::milliseconds(50));
   received_.store(SampleNumber{7});
-  const auto again = sender_.due(received_, at(2));
-  ASSERT_EQ(again.size(), 1);
-  EXPECT_EQ(decode_localization_result(again[0]->payload).value().acknowledgements.base,
-            SampleNumber{7});
+  const auto again = sent(3.0);
+  EXPECT_FALSE(again->correction);
+  EXPECT_EQ(again->result.holding_time, std::chrono::milliseconds(2050));
+  EXPECT_EQ(again->result.acknowledgements.base, SampleNumber{7});
+}
+
+TEST_F(AnswerSenderTest, StaysWithinItsBudget) {
+  sender_.note({.newest = 0, .loss = 0.5});
+  std::size_t bytes = 0;
+  for (double s = 0.0; s < 60.0; s += 0.01) {
+    if (static_cast<int>(100 * s + 0.5) % 10 == 0) sender_.set(some_answer());  // far too often
+    const auto message = sender_.due(received_, at(s));
+    if (message) bytes += (*message)->payload.size() + 100;
+  }
+  EXPECT_LT(static_cast<double>(bytes), 2000.0 * 62.0);
+  EXPECT_GT(static_cast<double>(bytes), 1000.0 * 60.0);
 }
 
 TEST_F(AnswerSenderTest, WhatCannotBeEncodedIsDroppedAndNamed) {
-  LocalizationResult answer = some_answer();
-  answer.T_map_body.p.x() = std::numeric_limits<double>::infinity();
-  Correction correction = some_correction();
-  correction.landmarks[0].p_anchor.x() = 1e9;
-  sender_.set(answer, correction);
-  const auto messages = sender_.due(received_, at(0));
-  ASSERT_EQ(messages.size(), 2);
-  EXPECT_EQ(messages[0].error(), PoolRefusal::kNotEncodable);
-  EXPECT_EQ(messages[1].error(), PoolRefusal::kCorrectionNotEncodable);
-  EXPECT_TRUE(sender_.due(received_, at(5)).empty());
+  Answer answer = some_answer();
+  answer.result.T_map_body.p.x() = std::numeric_limits<double>::infinity();
+  sender_.set(answer);
+  const auto message = sender_.due(received_, at(0));
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->error(), PoolRefusal::kNotEncodable);
+  EXPECT_FALSE(sent(5));
 }
 
 TEST_F(AnswerSenderTest, NothingIsSentAfterAReset) {
-  sender_.set(some_answer(), some_correction());
+  sender_.set(some_answer());
   sender_.reset();
-  EXPECT_TRUE(sender_.due(received_, at(0)).empty());
+  EXPECT_FALSE(sent(0));
 }
 
 }  // namespace

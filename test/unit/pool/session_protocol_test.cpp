@@ -43,7 +43,14 @@ class SessionProtocolTest : public testing::Test {
             .idle_session_s = 120.0,
             .session_request_interval_s = 1.0,
             .status_interval_s = 1.0,
-            .retransmission = {.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.3},
+            .answers = {.retransmission = {.max_interval_s = 1.0,
+                                           .min_interval_s = 0.2,
+                                           .full_rate_loss = 0.3},
+                        .max_payload_bytes = 480,
+                        .max_bytes_per_s = 2000.0,
+                        .max_bytes_per_s_high_loss = 4000.0,
+                        .high_loss = 0.75,
+                        .burst_bytes = 2000.0},
             .sessions = {.settling_s = 5.0, .silence_s = 20.0, .max_robots = 10}};
   }
 
@@ -87,20 +94,25 @@ TEST_F(SessionProtocolTest, RefusesMoreSessionsThanItMayHave) {
   protocol_.announced(session_of("a"), at(0)).value();
   protocol_.announced(session_of("b"), at(0)).value();
   EXPECT_EQ(protocol_.announced(session_of("c"), at(0)).error(), PoolRefusal::kTooManySessions);
-  EXPECT_FALSE(protocol_.submap(submap_of(session_of("c"), 0), at(0)).has_value());
+  EXPECT_FALSE(protocol_.submap(header_of(submap_of(session_of("c"), 0)), at(0)).has_value());
   EXPECT_EQ(sent_answers(0.1), 0) << "it is not asked for a session that would not be taken";
 }
 
 TEST_F(SessionProtocolTest, TakesEachSubmapOfTheSessionOnce) {
   const RobotSession session = session_of("a");
-  EXPECT_EQ(protocol_.submap(submap_of(session, 0), at(0)).error(), PoolRefusal::kUnknownSession);
+  EXPECT_EQ(protocol_.submap(header_of(submap_of(session, 0)), at(0)).error(),
+            PoolRefusal::kUnknownSession);
   EXPECT_EQ(sent_answers(0.1), 1) << "it is asked for its session";
   protocol_.announced(session, at(1)).value();
-  EXPECT_TRUE(protocol_.submap(submap_of(session, 1), at(1)).has_value());
-  EXPECT_EQ(protocol_.submap(submap_of(session, 1), at(1)).error(), PoolRefusal::kSeenBefore);
+  const SubmapHeader first = header_of(submap_of(session, 1));
+  EXPECT_TRUE(protocol_.submap(first, at(1)).has_value());
+  EXPECT_TRUE(protocol_.submap(first, at(1)).has_value()) << "it is not stored yet";
+  protocol_.store(first);
+  EXPECT_EQ(protocol_.submap(header_of(submap_of(session, 1)), at(1)).error(),
+            PoolRefusal::kSeenBefore);
   Submap earlier = submap_of(session, 2);
   earlier.incarnation = Incarnation{2};
-  EXPECT_EQ(protocol_.submap(earlier, at(1)).error(), PoolRefusal::kOtherIncarnation);
+  EXPECT_EQ(protocol_.submap(header_of(earlier), at(1)).error(), PoolRefusal::kOtherIncarnation);
 }
 
 TEST_F(SessionProtocolTest, ARobotIsIdleOnceItIsSilent) {

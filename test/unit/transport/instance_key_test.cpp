@@ -76,7 +76,7 @@ class InstanceKey : public testing::Test {
 using Types = testing::Types<wire::RobotSessionPubSubType,
                              wire::SubmapPubSubType,
                              wire::LocalizationResultPubSubType,
-                             wire::CorrectionPubSubType,
+                             wire::CompactSubmapPubSubType,
                              wire::RobotStatusPubSubType,
                              wire::LocalizerStatusPubSubType,
                              wire::PoseEstimatePubSubType>;

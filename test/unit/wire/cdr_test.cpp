@@ -36,7 +36,6 @@ TEST(Cdr, IsWhatTheGeneratedTypesWrite) {
   expect_as_generated<wire::SubmapPubSubType>(encode(some_submap(10, 80)));
   expect_as_generated<wire::SubmapPubSubType>(encode(some_submap(1, 0)));
   expect_as_generated<wire::RobotSessionPubSubType>(encode(some_session()));
-  expect_as_generated<wire::LocalizationResultPubSubType>(encode(some_answer()));
   expect_as_generated<wire::LocalizerStatusPubSubType>(encode(some_localizer_status()));
   expect_as_generated<wire::RobotStatusPubSubType>(encode(some_robot_status()));
   expect_as_generated<wire::PoseEstimatePubSubType>(encode(some_pose_estimate()));

@@ -3,8 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 #include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
@@ -72,32 +70,6 @@ TEST(Fuzz, SubmapsAreRefusedOrValid) {
 
 TEST(Fuzz, SessionsAreRefusedOrValid) {
   EXPECT_GT(fuzz(encode(some_session()), decode_robot_session), 0);
-}
-
-TEST(Fuzz, AnswersAreRefusedOrValid) {
-  EXPECT_GT(fuzz(encode(some_answer()), decode_localization_result), 0);
-}
-
-TEST(Fuzz, CorrectionsAreRefusedOrValid) {
-  EXPECT_GT(fuzz(encode(some_correction()), decode_correction), 0);
-}
-
-TEST(Fuzz, AcceptedCorrectionsHavePositiveSemiDefiniteInformation) {
-  std::mt19937 random(12);
-  const Bytes seed = encode(some_correction());
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const auto correction = decode_correction(with_flipped_bytes(seed, random));
-    if (!correction) continue;
-    for (const auto& pair : correction->relative_poses) {
-      const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(pair.information, Eigen::EigenvaluesOnly);
-      EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
-    }
-    for (const auto& landmark : correction->landmarks) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(landmark.information,
-                                                                 Eigen::EigenvaluesOnly);
-      EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
-    }
-  }
 }
 
 TEST(Fuzz, LocalizerStatusIsRefusedOrValid) {

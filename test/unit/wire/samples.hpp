@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "shared/geometry/so3.hpp"
+#include "shared/model/correction.hpp"
+#include "shared/model/localization_result.hpp"
 #include "shared/model/robot_status.hpp"
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
 #include "shared/wire/cdr.hpp"
-#include "shared/wire/correction_codec.hpp"
-#include "shared/wire/localization_result_codec.hpp"
 #include "shared/wire/pose_codec.hpp"
 
 namespace fleetloc {
@@ -89,6 +89,7 @@ inline LocalizationResult some_answer() {
           .session = SessionNumber{2},
           .localizer = "cloud-a",
           .incarnation = Incarnation{17},
+          .number = 9,
           .acknowledgements = {.base = SampleNumber{5}, .bitmap = 0xF0F0'F0F0'0000'0001},
           .status = LocalizationStatus::kLocalized,
           .keyframe = KeyframeId{100'000},
@@ -98,7 +99,6 @@ inline LocalizationResult some_answer() {
           .map_hash = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 255},
           .T_map_body = some_pose(1.0),
           .covariance = some_matrix() * 1e-10,
-          .T_map_odom = some_pose(2.0),
           .holding_time = Duration{12'345'678}};
 }
 

@@ -37,10 +37,10 @@ TEST(SessionCodec, RoundTripPreservesEveryField) {
 TEST(SessionCodec, RoundTripPreservesTheLackOfAStart) {
   RobotSession sent = some_session();
   sent.start.reset();
-  sent.encoding = SubmapEncoding::kDelta;
+  sent.encoding = SubmapEncoding::kCompact;
   const auto received = decode_robot_session(encode(sent)).value();
   EXPECT_FALSE(received.start);
-  EXPECT_EQ(received.encoding, SubmapEncoding::kDelta);
+  EXPECT_EQ(received.encoding, SubmapEncoding::kCompact);
 }
 
 TEST(SessionCodec, RefusesWithAReason) {

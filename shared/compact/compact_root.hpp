@@ -14,14 +14,16 @@
 
 namespace fleetloc {
 
-/// A positive semi-definite matrix in bytes; see correction.idl. What is decoded is positive
-/// semi-definite, too. Entries of R are truncated towards zero, by up to 1/127 of their scale:
-/// directions without information stay nearly so.
+/// A positive semi-definite matrix in small integers, as R^T R with R upper triangular. What is
+/// decoded is positive semi-definite, too, and the same bits on every machine. Entries of R are
+/// truncated towards zero, by up to 1/127 of their scale: directions without information stay nearly
+/// so.
 template <int N>
 struct CompactRoot {
   static constexpr std::size_t kScales = N / 3;
   static constexpr std::size_t kEntries = N * (N + 1) / 2;
   static constexpr int kMaxScale = 240;  // 1e9: 1 nrad, 1 nm
+  static constexpr int kZero = 128;      // of an entry
 
   std::array<std::uint8_t, kScales> scales{};
   std::array<std::uint8_t, kEntries> entries{};
@@ -35,11 +37,20 @@ struct CompactRoot {
  private:
   using Matrix = Eigen::Matrix<double, N, N>;
   static constexpr double kUnits = 127.0;
-  static constexpr int kZero = 128;
   static constexpr double kTolerance = 1e-9;
 
+  // 2^(scale / 8), the same bits everywhere.
   [[nodiscard]] double scale(int column) const {
-    return std::exp2(scales[static_cast<std::size_t>(column / 3)] / 8.0);
+    constexpr std::array kEighths{1.0,
+                                  1.0905077326652577,
+                                  1.1892071150027210,
+                                  1.2968395546510096,
+                                  1.4142135623730951,
+                                  1.5422108254079407,
+                                  1.6817928305074290,
+                                  1.8340080864093424};
+    const int code = scales[static_cast<std::size_t>(column / 3)];
+    return std::ldexp(kEighths[static_cast<std::size_t>(code % 8)], code / 8);
   }
   [[nodiscard]] Matrix unscaled() const;
 };
@@ -93,8 +104,18 @@ typename CompactRoot<N>::Matrix CompactRoot<N>::unscaled() const {
 template <int N>
 typename CompactRoot<N>::Matrix CompactRoot<N>::squared() const {
   Matrix R = unscaled();
-  for (int column = 0; column < N; ++column) R.col(column) *= scale(column);
-  return R.transpose() * R;
+  for (int column = 0; column < N; ++column) {
+    for (int row = 0; row <= column; ++row) R(row, column) = R(row, column) * scale(column);
+  }
+  Matrix product = Matrix::Zero();
+  for (int i = 0; i < N; ++i) {
+    for (int j = 0; j < N; ++j) {
+      for (int row = 0; row <= std::min(i, j); ++row) {
+        product(i, j) = product(i, j) + R(row, i) * R(row, j);
+      }
+    }
+  }
+  return product;
 }
 
 template <int N>
