@@ -1,6 +1,7 @@
 #include "deploy/evaluation/experiment/inputs.hpp"
 
 #include "deploy/evaluation/experiment/fingerprint.hpp"
+#include "shared/core/exact_text.hpp"
 
 namespace fleetloc {
 namespace {

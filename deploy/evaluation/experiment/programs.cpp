@@ -1,7 +1,5 @@
 #include "deploy/evaluation/experiment/programs.hpp"
 
-#include <array>
-#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <iterator>
@@ -60,12 +58,6 @@ void expect_success(const std::string& program, int exit_code, const std::filesy
       line.empty() ? name + " ended with " + std::to_string(exit_code) + ", see " + log.string()
                    : line,
       exit_code);
-}
-
-std::string exact_text(double value) {
-  std::array<char, 32> digits{};
-  auto* const end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return {digits.data(), end};
 }
 
 std::string text_of(const std::filesystem::path& file) {

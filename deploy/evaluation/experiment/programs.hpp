@@ -50,9 +50,6 @@ void run_program(const std::vector<std::string>& command,
 /// Throws ProgramFailed unless the exit code is one of success.
 void expect_success(const std::string& program, int exit_code, const std::filesystem::path& log);
 
-/// Shortest text that is read back as the same number.
-std::string exact_text(double value);
-
 /// Content of a file; throws std::runtime_error.
 std::string text_of(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);

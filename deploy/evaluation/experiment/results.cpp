@@ -3,6 +3,7 @@
 #include <array>
 
 #include "deploy/evaluation/experiment/programs.hpp"
+#include "shared/core/exact_text.hpp"
 
 namespace fleetloc {
 namespace {

@@ -7,6 +7,7 @@
 #include "deploy/evaluation/experiment/fingerprint.hpp"
 #include "deploy/evaluation/experiment/initial_pose.hpp"
 #include "deploy/evaluation/experiment/player.hpp"
+#include "shared/core/exact_text.hpp"
 
 namespace fleetloc {
 namespace {
