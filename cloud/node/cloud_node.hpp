@@ -11,7 +11,7 @@
 #include "cloud/node/worker_pool.hpp"
 #include "cloud/pool/localizer_pool.hpp"
 #include "cloud/pool/worker_load.hpp"
-#include "shared/link/link_model.hpp"
+#include "shared/link/link_config.hpp"
 #include "shared/transport/dds_channel.hpp"
 
 namespace fleetloc {

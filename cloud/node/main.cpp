@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
         throw std::invalid_argument("--name: '" + options.name +
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");
       }
-      if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
+      if (!link.empty()) options.link = read_link_file(link);
       auto node =
           std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
       return [node, termination] {

@@ -12,7 +12,7 @@
 #include "deploy/replay/icp_localizer.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
-#include "shared/link/link_model.hpp"
+#include "shared/link/link_config.hpp"
 
 namespace fleetloc {
 

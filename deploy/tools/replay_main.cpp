@@ -30,16 +30,12 @@ void apply(const LinkArguments& arguments, LinkDirection& direction) {
   direction.delay_s += arguments.latency_s;
   if (arguments.bandwidth_bytes_per_s > 0.0) {
     direction.rate_bytes_per_s = arguments.bandwidth_bytes_per_s;
-    constexpr double kQueueSeconds = 2.0;  // of the bottleneck
-    direction.queue_bytes = std::max<std::size_t>(
-        8000, static_cast<std::size_t>(kQueueSeconds * arguments.bandwidth_bytes_per_s));
+    direction.queue_bytes = default_queue_bytes(direction);
   }
 }
 
 LinkConfig link_config(const LinkArguments& arguments) {
-  LinkConfig link = arguments.file.empty()
-                        ? perfect_link()
-                        : read_link_config(ConfigReader::from_file(arguments.file));
+  LinkConfig link = arguments.file.empty() ? perfect_link() : read_link_file(arguments.file);
   if (arguments.file.empty()) link.seed = arguments.seed;
   if (arguments.direction != "down") apply(arguments, link.uplink);
   if (arguments.direction != "up") apply(arguments, link.downlink);

@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       }
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
-      if (!link.empty()) options.link = read_link_config(ConfigReader::from_file(link));
+      if (!link.empty()) options.link = read_link_file(link);
       const ConfigReader config = program.config();
       options.config = program.command_line() + config.text();
       auto node = std::make_shared<RobotNode>(options, read_config(config));

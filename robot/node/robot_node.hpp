@@ -8,7 +8,7 @@
 
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
-#include "shared/link/link_model.hpp"
+#include "shared/link/link_config.hpp"
 
 namespace fleetloc {
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "shared/link/datagrams.hpp"
+#include "shared/link/link_model.hpp"
 
 namespace fleetloc {
 namespace {
@@ -170,17 +171,20 @@ class MemoryNetwork::State {
   bool transfer(MemberId from, MemberId to, const Message& message, Timestamp now) {
     Member& sender = members_.at(from);
     Member& receiver = members_.at(to);
-    LinkModel& link = sender.is_robot ? sender.uplink : receiver.downlink;
+    Member& robot = sender.is_robot ? sender : receiver;
+    robot.uplink.start(now);
+    robot.downlink.start(now);
+    LinkModel& link = sender.is_robot ? robot.uplink : robot.downlink;
     Arrival arrival{.wire_bytes = 0, .message = std::nullopt};
     std::optional<Timestamp> last_arrival;
     bool complete = true;
     for (const std::size_t bytes : datagram_sizes(message.payload.size())) {
       sender.statistics.sent_wire_bytes += bytes;
-      const std::optional<Timestamp> arrives = link.arrival(now, bytes);
-      complete = complete && arrives;
-      if (!arrives) continue;
-      arrival.wire_bytes += bytes;
-      last_arrival = std::max(last_arrival, arrives);
+      const std::vector<Timestamp> copies = link.arrivals(now, bytes);
+      complete = complete && !copies.empty();
+      if (copies.empty()) continue;
+      arrival.wire_bytes += copies.size() * bytes;
+      last_arrival = std::max(last_arrival, std::optional(std::ranges::min(copies)));
     }
     if (complete) arrival.message = message;
     if (last_arrival) receiver.inbox.emplace(*last_arrival, std::move(arrival));

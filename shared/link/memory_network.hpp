@@ -4,7 +4,7 @@
 #include <string>
 
 #include "shared/link/channel.hpp"
-#include "shared/link/link_model.hpp"
+#include "shared/link/link_config.hpp"
 
 namespace fleetloc {
 

@@ -21,10 +21,25 @@ EmulatedLink::EmulatedLink(ChannelRole role, const LinkConfig& link)
     : outgoing_(role == ChannelRole::kRobot ? link.uplink : link.downlink, link.seed),
       incoming_(role == ChannelRole::kRobot ? link.downlink : link.uplink, link.seed + 1) {}
 
-std::optional<EmulatedLink::Time> EmulatedLink::Direction::arrival(std::uint32_t bytes, Time now) {
+void EmulatedLink::start(Time now) {
+  std::call_once(started_, [&] {
+    outgoing_.start(now);
+    incoming_.start(now);
+  });
+}
+
+void EmulatedLink::Direction::start(Time now) {
   const std::lock_guard lock(mutex_);
-  const auto arrival = model_.arrival(to_timestamp(now), bytes + kIpUdpBytes);
-  return arrival ? std::optional(to_time(*arrival)) : std::nullopt;
+  model_.start(to_timestamp(now));
+}
+
+std::vector<EmulatedLink::Time> EmulatedLink::Direction::arrivals(std::uint32_t bytes, Time now) {
+  std::vector<Time> times;
+  const std::lock_guard lock(mutex_);
+  for (const Timestamp arrival : model_.arrivals(to_timestamp(now), bytes + kIpUdpBytes)) {
+    times.push_back(to_time(arrival));
+  }
+  return times;
 }
 
 }  // namespace fleetloc

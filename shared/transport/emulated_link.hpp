@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
-#include <optional>
+#include <vector>
 
 #include "shared/link/link_model.hpp"
 
@@ -12,8 +12,8 @@ namespace fleetloc {
 /// Which end of its link a participant is.
 enum class ChannelRole { kRobot, kCloud };
 
-/// Decides which datagrams of a participant arrive, and when. Any thread may use any function; the
-/// directions do not wait for each other.
+/// Decides which datagrams of a participant arrive, when, and how often. Any thread may use any
+/// function; the directions do not wait for each other.
 ///
 /// The link is that of a robot, at whichever end it is emulated: a robot's participant puts what it
 /// sends on the uplink and what it receives on the downlink, a localizer's the other way round, for
@@ -24,27 +24,34 @@ class EmulatedLink {
 
   EmulatedLink(ChannelRole role, const LinkConfig& link);
 
-  /// Time at which a datagram leaves this computer; nothing if it is lost.
+  /// Times at which the copies of a datagram leave this computer; none if it is lost.
   /// @param bytes  payload of UDP
-  std::optional<Time> outgoing_at(std::uint32_t bytes, Time now) {
-    return outgoing_.arrival(bytes, now);
+  std::vector<Time> outgoing_at(std::uint32_t bytes, Time now) {
+    start(now);
+    return outgoing_.arrivals(bytes, now);
   }
-  /// Time at which one reaches this computer; nothing if it is lost.
-  std::optional<Time> incoming_at(std::uint32_t bytes, Time now) {
-    return incoming_.arrival(bytes, now);
+  /// Times at which those of one reach this computer; none if it is lost.
+  std::vector<Time> incoming_at(std::uint32_t bytes, Time now) {
+    start(now);
+    return incoming_.arrivals(bytes, now);
   }
 
  private:
   class Direction {
    public:
     Direction(const LinkDirection& direction, std::uint64_t seed) : model_(direction, seed) {}
-    std::optional<Time> arrival(std::uint32_t bytes, Time now);
+    void start(Time now);
+    std::vector<Time> arrivals(std::uint32_t bytes, Time now);
 
    private:
     std::mutex mutex_;
     LinkModel model_;  // guarded by mutex_
   };
 
+  /// Both directions have one time.
+  void start(Time now);
+
+  std::once_flag started_;
   Direction outgoing_, incoming_;
 };
 

@@ -184,8 +184,9 @@ bool Transport::send(rtps::SenderResource* socket,
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    const auto due = link_->emulated->outgoing_at(size, now);
-    if (due) send_later(socket, datagram, to, *due);
+    for (const Clock::time_point due : link_->emulated->outgoing_at(size, now)) {
+      send_later(socket, datagram, to, due);
+    }
   }
   return true;
 }
@@ -225,12 +226,12 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   if (!checked) return link_->traffic.malformed(checked.error());
   if (own_.includes(datagram)) return receiver->OnDataReceived(buffer, size, local, remote);
   if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
-  const auto due = link_->emulated->incoming_at(size, Clock::now());
-  if (!due) return;
-  delay_line_->at(
-      *due, [this, receiver, local, remote, copy = std::vector(datagram.begin(), datagram.end())] {
-        deliver(*receiver, copy, local, remote);
-      });
+  for (const Clock::time_point due : link_->emulated->incoming_at(size, Clock::now())) {
+    delay_line_->at(
+        due, [this, receiver, local, remote, copy = std::vector(datagram.begin(), datagram.end())] {
+          deliver(*receiver, copy, local, remote);
+        });
+  }
 }
 
 void Transport::deliver(fdr::TransportReceiverInterface& receiver,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/link/datagrams.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
 
@@ -100,6 +101,25 @@ TEST_P(LinkEmulation, DeliversASessionInSpiteOfLoss) {
   Ends ends(network_.domain(), {.uplink = kLossy, .downlink = kLossy, .seed = 2}, GetParam());
   ends.robot.send("", session_of("robot_1"), {});
   EXPECT_TRUE(ends.cloud.wait_for_message(kPatience));
+}
+
+TEST_P(LinkEmulation, CarriesBothCopiesOfADatagramAndDeliversItsSampleOnce) {
+  constexpr std::uint32_t kMessages = 20;
+  Ends ends(network_.domain(), {.uplink = {.duplication = 1.0}}, GetParam());
+  ASSERT_TRUE(ends.matched());
+  ends.uplink_time();
+  const ChannelStatistics before = ends.cloud.statistics();
+  std::size_t received = 0;
+  for (std::uint32_t i = 0; i < kMessages; ++i) {
+    ends.robot.send("cloud_1", numbered_submap(i), {});
+    ASSERT_TRUE(ends.cloud.wait_for_message(kPatience));
+    received += ends.cloud.receive({}).size();
+  }
+  EXPECT_EQ(received, kMessages);
+  const ChannelStatistics after = ends.cloud.statistics();
+  const std::size_t bytes = datagram_sizes(numbered_submap(0).payload.size()).front();
+  EXPECT_GE(after.received_wire_bytes - before.received_wire_bytes, (2 * kMessages - 1) * bytes)
+      << "the last copy may be on its way";
 }
 
 TEST_P(LinkEmulation, EndsWhileDatagramsAreOnTheirWay) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "shared/config/config_reader.hpp"
-#include "shared/link/link_model.hpp"
+#include "shared/link/link_config.hpp"
 
 namespace fleetloc {
 

@@ -1,7 +1,6 @@
 #include "deploy/evaluation/experiment/player.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <optional>
 
@@ -16,12 +15,6 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 constexpr std::chrono::seconds kGrace(10);
-
-std::string direction_yaml(const LinkDirection& direction) {
-  return "{loss: " + exact_text(direction.loss) + ", delay_s: " + exact_text(direction.delay_s) +
-         ", rate_bytes_per_s: " + exact_text(direction.rate_bytes_per_s) +
-         ", queue_bytes: " + std::to_string(direction.queue_bytes) + "}\n";
-}
 
 /// The truth at the first frame, displaced; a file holds it afterwards.
 std::string start_pose(const Run& run,
@@ -74,7 +67,7 @@ Words playing_options(const Run& run,
   }
   if (run.configuration->odometry_only) return words;
   const fs::path link = place.folder / "link.yaml";
-  write_text(link, link_yaml(run.link->link, run.seed));
+  write_text(link, link_yaml(link_of(run)));
   words.insert(
       words.end(),
       {"--link", link.string(), "--initial-pose", start_pose(run, context, place.folder, stop)});
@@ -155,11 +148,6 @@ void play(const Run& run,
   } else {
     replay(run, context, place, stop);
   }
-}
-
-std::string link_yaml(const LinkConfig& link, std::uint64_t seed) {
-  return "seed: " + std::to_string(seed) + "\nuplink: " + direction_yaml(link.uplink) +
-         "downlink: " + direction_yaml(link.downlink);
 }
 
 }  // namespace fleetloc

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <stop_token>
-#include <string>
 
 #include "deploy/evaluation/experiment/run.hpp"
 
@@ -21,8 +19,5 @@ void play(const Run& run,
           const RunContext& context,
           const Place& place,
           const std::stop_token& stop);
-
-/// The file that `--link` takes.
-std::string link_yaml(const LinkConfig& link, std::uint64_t seed);
 
 }  // namespace fleetloc

@@ -33,11 +33,10 @@ std::string identity_of(const Run& run,
         .add("rate", exact_text(plan.dds->rate));
   }
   if (run.configuration->odometry_only) return fingerprint.text();  // the rest has no effect
-  const bool has_link = !run.configuration->icp_baseline;
   return fingerprint.add("map", inputs.map(run.dataset->map).identity)
       .add("align once", run.configuration->align_once ? "yes" : "no")
       .add("baseline", run.configuration->icp_baseline ? "icp" : "none")
-      .add("link", link_yaml(has_link ? run.link->link : perfect_link(), run.seed))
+      .add("link", link_yaml(link_of(run)))
       .add("start position error", exact_text(plan.start_error.position_m))
       .add("start yaw error", exact_text(plan.start_error.yaw_deg))
       .text();
@@ -98,6 +97,12 @@ std::string outcome_line(const fs::path& folder) {
 std::string Run::name() const {
   return dataset->name + " " + configuration->name + " " + link->name + " seed " +
          std::to_string(seed);
+}
+
+LinkConfig link_of(const Run& run) {
+  LinkConfig link = run.configuration->icp_baseline ? perfect_link() : run.link->link;
+  link.seed = run.seed;
+  return link;
 }
 
 std::vector<Run> runs_of(const Plan& plan, const Inputs& inputs, const Programs& programs) {

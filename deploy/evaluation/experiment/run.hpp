@@ -26,6 +26,9 @@ struct Run {
 /// All runs of a plan, in the order dataset, configuration, link, seed. The plan must outlive them.
 std::vector<Run> runs_of(const Plan& plan, const Inputs& inputs, const Programs& programs);
 
+/// Its link, with its seed; a perfect one where the baseline takes its place.
+LinkConfig link_of(const Run& run);
+
 /// Inputs of a run.
 struct RunContext {
   const Plan* plan;

@@ -1,7 +1,7 @@
 #include "shared/link/link_model.hpp"
 
 #include <algorithm>
-#include <string>
+#include <cmath>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -11,112 +11,155 @@ namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::HasSubstr;
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr Timestamp kStart{std::chrono::seconds(100)};
+constexpr std::size_t kBytes = 100;
 
-std::vector<std::optional<Timestamp>> fates(LinkModel link, int datagrams) {
-  std::vector<std::optional<Timestamp>> arrivals;
-  arrivals.reserve(static_cast<std::size_t>(datagrams));
+using Fates = std::vector<std::vector<Timestamp>>;
+
+/// Of datagrams that are sent each millisecond.
+Fates fates(const LinkDirection& direction, int datagrams, std::uint64_t seed = 1) {
+  LinkModel link(direction, seed);
+  Fates fates;
   for (int i = 0; i < datagrams; ++i) {
-    arrivals.push_back(link.arrival(kStart + milliseconds(i), 100));
+    fates.push_back(link.arrivals(kStart + milliseconds(i), kBytes));
   }
-  return arrivals;
+  return fates;
+}
+
+/// Everything at once.
+LinkDirection terrible() {
+  return {.loss = 0.3,
+          .delay_s = 0.1,
+          .rate_bytes_per_s = 80'000.0,
+          .queue_bytes = 4000,
+          .burst_length = 3.0,
+          .jitter_s = 0.05,
+          .reordering = 0.1,
+          .reordering_delay_s = 0.2,
+          .duplication = 0.2,
+          .rate_trace = {.steps = {{0.0, 100'000.0}, {0.1, 50'000.0}}, .repeat_s = 0.2},
+          .outages = {.at = {{.from_s = 0.05, .for_s = 0.02}},
+                      .periodic = {.every_s = 0.1, .from_s = 0.01, .for_s = 0.01}}};
 }
 
 TEST(LinkModel, IsPerfectByDefault) {
-  for (const auto& arrival : fates(LinkModel(perfect_link().uplink, 1), 100)) {
-    ASSERT_TRUE(arrival);
-  }
-  EXPECT_EQ(LinkModel(perfect_link().uplink, 1).arrival(kStart, 1000), kStart);
+  for (const auto& arrivals : fates(perfect_link().uplink, 100)) ASSERT_THAT(arrivals, SizeIs(1));
+  EXPECT_THAT(LinkModel(perfect_link().uplink, 1).arrivals(kStart, 1000), ElementsAre(kStart));
 }
 
 TEST(LinkModel, GivesTheSameFatesForTheSameSeedOnly) {
-  const LinkDirection half{.loss = 0.5, .delay_s = 0.1};
-  EXPECT_EQ(fates(LinkModel(half, 7), 200), fates(LinkModel(half, 7), 200));
-  EXPECT_NE(fates(LinkModel(half, 7), 200), fates(LinkModel(half, 8), 200));
-}
-
-TEST(LinkModel, LosesTheShareThatItIsTold) {
-  constexpr int kDatagrams = 20'000;
-  for (const double loss : {0.0, 0.1, 0.5, 0.7, 1.0}) {
-    const auto arrivals = fates(LinkModel({.loss = loss}, 3), kDatagrams);
-    const auto lost = std::ranges::count(arrivals, false, &std::optional<Timestamp>::has_value);
-    EXPECT_NEAR(static_cast<double>(lost) / kDatagrams, loss, 0.015) << loss;
+  for (const LinkDirection& direction : {LinkDirection{.loss = 0.5}, terrible()}) {
+    EXPECT_EQ(fates(direction, 500, 7), fates(direction, 500, 7));
+    EXPECT_NE(fates(direction, 500, 7), fates(direction, 500, 8));
   }
 }
 
-TEST(LinkModel, Delays) {
-  EXPECT_EQ(LinkModel({.delay_s = 0.25}, 1).arrival(kStart, 1000), kStart + milliseconds(250));
-}
-
-TEST(LinkModel, SendsOneDatagramAfterTheOtherAtItsRate) {
+TEST(LinkModel, DelaysBehindTheBottleneck) {
   LinkModel link({.delay_s = 1.0, .rate_bytes_per_s = 10'000.0, .queue_bytes = 100'000}, 1);
-  EXPECT_EQ(link.arrival(kStart, 1000), kStart + milliseconds(1100));
-  EXPECT_EQ(link.arrival(kStart, 500), kStart + milliseconds(1150));
-  // The bottleneck is free again.
-  EXPECT_EQ(link.arrival(kStart + milliseconds(500), 1000), kStart + milliseconds(1600));
-}
-
-TEST(LinkModel, DropsWhatItsQueueCannotHold) {
-  LinkModel link({.rate_bytes_per_s = 1000.0, .queue_bytes = 2000}, 1);
-  EXPECT_TRUE(link.arrival(kStart, 1000));
-  EXPECT_TRUE(link.arrival(kStart, 1000));
-  EXPECT_FALSE(link.arrival(kStart, 1000));
-  // Half of the first has left; 500 bytes fit, and what was refused takes no time.
-  EXPECT_EQ(link.arrival(kStart + milliseconds(500), 500), kStart + milliseconds(2500));
+  EXPECT_THAT(link.arrivals(kStart, 1000), ElementsAre(kStart + milliseconds(1100)));
+  EXPECT_THAT(link.arrivals(kStart, 500), ElementsAre(kStart + milliseconds(1150)));
 }
 
 TEST(LinkModel, UsesTheBottleneckForWhatIsLostBehindIt) {
-  LinkModel link({.loss = 1.0, .rate_bytes_per_s = 1000.0, .queue_bytes = 1500}, 1);
-  EXPECT_FALSE(link.arrival(kStart, 1000));
+  LinkModel lossy({.loss = 1.0, .rate_bytes_per_s = 1000.0, .queue_bytes = 1500}, 1);
+  EXPECT_THAT(lossy.arrivals(kStart, 1000), IsEmpty());
   LinkModel lossless({.rate_bytes_per_s = 1000.0, .queue_bytes = 1500}, 1);
-  EXPECT_TRUE(lossless.arrival(kStart, 1000));
-  EXPECT_FALSE(lossless.arrival(kStart, 1000));
+  EXPECT_THAT(lossless.arrivals(kStart, 1000), SizeIs(1));
+  EXPECT_THAT(lossless.arrivals(kStart, 1000), IsEmpty());
 }
 
-std::string link_yaml(const std::string& uplink) {
-  return "seed: 5\nuplink: {" + uplink +
-         "}\ndownlink: {loss: 0, delay_s: 0.5, rate_bytes_per_s: 0, queue_bytes: 0}\n";
+TEST(LinkModel, LosesWhatLeavesTheBottleneckInAnOutage) {
+  LinkModel link({.delay_s = 5.0,
+                  .rate_bytes_per_s = 1000.0,
+                  .queue_bytes = 10'000,
+                  .outages = {.at = {{.from_s = 2.5, .for_s = 1.0}}}},
+                 1);
+  EXPECT_THAT(link.arrivals(kStart, 1000), ElementsAre(kStart + seconds(6)));
+  EXPECT_THAT(link.arrivals(kStart, 1000), ElementsAre(kStart + seconds(7)));
+  EXPECT_THAT(link.arrivals(kStart, 1000), IsEmpty());
+  EXPECT_THAT(link.arrivals(kStart, 1000), ElementsAre(kStart + seconds(9)));
 }
 
-LinkConfig read(const std::string& uplink) {
-  return read_link_config(ConfigReader::from_string(link_yaml(uplink)));
+TEST(LinkModel, CountsTimeFromItsStart) {
+  const LinkDirection out{.outages = {.at = {{.from_s = 10.0, .for_s = 1.0}}}};
+  LinkModel by_itself(out, 1);
+  EXPECT_THAT(by_itself.arrivals(kStart, kBytes), SizeIs(1));
+  EXPECT_THAT(by_itself.arrivals(kStart + seconds(10), kBytes), IsEmpty());
+  LinkModel before(out, 1);
+  before.start(kStart - seconds(4));
+  before.start(kStart);  // too late
+  EXPECT_THAT(before.arrivals(kStart + seconds(6), kBytes), IsEmpty());
+  EXPECT_THAT(before.arrivals(kStart + seconds(10), kBytes), SizeIs(1));
 }
 
-std::string config_error(const std::string& uplink) {
-  try {
-    read(uplink);
-  } catch (const ConfigError& error) {
-    return error.what();
+TEST(LinkModel, NeverGoesBackInTime) {
+  LinkModel link({.delay_s = 1.0}, 1);
+  EXPECT_THAT(link.arrivals(kStart + seconds(1), kBytes), ElementsAre(kStart + seconds(2)));
+  EXPECT_THAT(link.arrivals(kStart, kBytes), ElementsAre(kStart + seconds(2)));
+}
+
+TEST(LinkModel, LetsDatagramsOvertakeEachOtherByJitter) {
+  int overtaken = 0;
+  Timestamp latest{};
+  for (const auto& arrivals : fates({.jitter_s = 0.01}, 1000)) {
+    if (arrivals.front() < latest) ++overtaken;
+    latest = std::max(latest, arrivals.front());
   }
-  return "no error";
+  EXPECT_GT(overtaken, 500);
+  EXPECT_LT(overtaken, 1000);
 }
 
-TEST(LinkConfig, IsReadFromYaml) {
-  const LinkConfig link =
-      read("loss: 0.3, delay_s: 1.5, rate_bytes_per_s: 31250, queue_bytes: 65536");
-  EXPECT_EQ(link.seed, 5);
-  EXPECT_EQ(link.uplink.loss, 0.3);
-  EXPECT_EQ(link.uplink.delay_s, 1.5);
-  EXPECT_EQ(link.uplink.rate_bytes_per_s, 31250.0);
-  EXPECT_EQ(link.uplink.queue_bytes, 65536);
-  EXPECT_EQ(link.downlink.delay_s, 0.5);
+TEST(LinkModel, DoublesTheShareOfWhatArrivesThatItIsTold) {
+  constexpr int kDatagrams = 20'000;
+  constexpr double kShare = 0.2;
+  const Fates all = fates({.loss = 0.5, .jitter_s = 0.01, .duplication = kShare}, kDatagrams, 3);
+  const auto with = [&](std::size_t copies) {
+    return static_cast<double>(std::ranges::count(all, copies, &std::vector<Timestamp>::size));
+  };
+  const double arrived = with(1) + with(2);
+  EXPECT_NEAR(arrived / kDatagrams, 0.5, 5.0 * std::sqrt(0.25 / kDatagrams));
+  EXPECT_NEAR(with(2) / arrived, kShare, 5.0 * std::sqrt(kShare * (1.0 - kShare) / arrived));
+  for (const auto& arrivals : all) {
+    if (arrivals.size() < 2) continue;
+    ASSERT_NE(arrivals[0], arrivals[1]) << "each has its own delay";
+  }
 }
 
-TEST(LinkConfig, NamesWhatIsWrong) {
-  EXPECT_THAT(config_error("loss: 1.1, delay_s: 0, rate_bytes_per_s: 0, queue_bytes: 0"),
-              HasSubstr("uplink.loss: must be in 0..1"));
-  EXPECT_THAT(config_error("loss: .nan, delay_s: 0, rate_bytes_per_s: 0, queue_bytes: 0"),
-              HasSubstr("loss: must be in"));
-  EXPECT_THAT(config_error("loss: 0, delay_s: 0, rate_bytes_per_s: 1000, queue_bytes: 0"),
-              HasSubstr("queue_bytes: must be in 1500.."));
-  EXPECT_THAT(config_error("loss: 0, delay_s: 0, rate_bytes_per_s: 0.5, queue_bytes: 9000"),
-              HasSubstr("rate_bytes_per_s: must be 0 (unlimited) or at least 1"));
-  EXPECT_THAT(config_error("loss: 0, delay_s: 0, queue_bytes: 0"),
-              HasSubstr("rate_bytes_per_s: missing"));
-  EXPECT_THAT(config_error("loss: 0, delay_s: 0, rate_bytes_per_s: 0, queue_bytes: 0, jitter_s: 1"),
-              HasSubstr("uplink.jitter_s: unknown key"));
+// What makes settings comparable at one seed.
+TEST(LinkModel, DrawsTheSameForADatagramWhateverTheOtherSettingsAre) {
+  constexpr int kDatagrams = 1000;
+  LinkDirection without = terrible();
+  without.rate_bytes_per_s = 0.0;
+  without.rate_trace = {};
+  without.outages = {};
+  const Fates limited = fates(terrible(), kDatagrams);
+  const Fates unlimited = fates(without, kDatagrams);
+  int passed = 0;
+  for (std::size_t i = 0; i < kDatagrams; ++i) {
+    if (limited[i].empty()) continue;
+    ++passed;
+    ASSERT_EQ(limited[i].size(), unlimited[i].size()) << i;
+    if (limited[i].size() == 1) continue;
+    EXPECT_EQ(limited[i][1] - limited[i][0], unlimited[i][1] - unlimited[i][0]) << i;
+  }
+  EXPECT_GT(passed, 100);
+  EXPECT_LT(passed, std::ranges::count_if(unlimited, [](const auto& all) { return !all.empty(); }));
+
+  LinkDirection late = without;
+  late.delay_s += 1.0;
+  const Fates delayed = fates(late, kDatagrams);
+  for (std::size_t i = 0; i < kDatagrams; ++i) {
+    ASSERT_EQ(delayed[i].size(), unlimited[i].size());
+    for (std::size_t copy = 0; copy < delayed[i].size(); ++copy) {
+      const double later = to_seconds(delayed[i][copy] - unlimited[i][copy]);
+      EXPECT_NEAR(later, 1.0, 2e-9) << i;
+    }
+  }
 }
 
 }  // namespace
