@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "shared/link/best_effort_reader.hpp"
 #include "shared/link/datagrams.hpp"
 #include "shared/link/link_model.hpp"
 
@@ -16,16 +17,25 @@ namespace {
 
 using MemberId = std::uint64_t;  // in order of joining
 
-struct Arrival {
+struct Sample {
+  std::uint64_t number;  // in the order of sending
+  Message message;
+};
+
+// One that is on its way. It shares the reader, which goes when its sender leaves.
+struct Datagram {
   std::size_t wire_bytes;
-  std::optional<Message> message;  // none: some of its fragments were lost
+  std::shared_ptr<const Sample> sample;
+  std::size_t fragment, fragments;
+  std::shared_ptr<BestEffortReader> reader;
 };
 
 struct Member {
   bool is_robot;
   std::string name;
   LinkModel uplink, downlink;  // used for robots
-  std::multimap<Timestamp, Arrival> inbox;
+  std::multimap<Timestamp, Datagram> inbox;
+  std::map<std::pair<MemberId, Topic>, std::shared_ptr<BestEffortReader>> readers;  // of whom
   ChannelStatistics statistics;
 };
 
@@ -64,7 +74,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::string_view name, std::uint64_t d
 
 class MemoryNetwork::State {
  public:
-  explicit State(const LinkConfig& link) : link_(link) {}
+  explicit State(LinkConfig link) : link_(std::move(link)) {}
 
   MemberId join(bool is_robot, const std::string& name) {
     const MemberId id = next_id_++;
@@ -74,6 +84,7 @@ class MemoryNetwork::State {
                             .uplink = {link_.uplink, seed_of(link_.seed, name, 1)},
                             .downlink = {link_.downlink, seed_of(link_.seed, name, 2)},
                             .inbox = {},
+                            .readers = {},
                             .statistics = {}});
     for (auto& [key, last] : last_) await(key, last, id);
     return id;
@@ -83,6 +94,9 @@ class MemoryNetwork::State {
     members_.erase(id);
     std::erase_if(last_, [&](const auto& item) { return item.first.first == id; });
     for (auto& [key, last] : last_) last.next_attempt.erase(id);
+    for (auto& [other, member] : members_) {
+      std::erase_if(member.readers, [&](const auto& item) { return item.first.first == id; });
+    }
   }
 
   void send(MemberId sender, const std::string& partition, Message message, Timestamp now) {
@@ -90,16 +104,17 @@ class MemoryNetwork::State {
     ChannelStatistics& statistics = members_.at(sender).statistics;
     ++statistics.sent_messages;
     statistics.sent_payload_bytes += message.payload.size();
-    if (!is_reliable(message.topic)) {
+    const auto sample = std::make_shared<const Sample>(Sample{++samples_, std::move(message)});
+    const Topic topic = sample->message.topic;
+    if (!is_reliable(topic)) {
       for (const auto& [id, member] : members_) {
-        if (!hears(member, members_.at(sender), message.topic, partition)) continue;
-        transfer(sender, id, message, now);
+        if (!hears(member, members_.at(sender), topic, partition)) continue;
+        transfer(sender, id, sample, now);
       }
       return;
     }
-    const Key key{sender, message.topic};
-    Last& last =
-        last_[key] = {.partition = partition, .message = std::move(message), .next_attempt = {}};
+    const Key key{sender, topic};
+    Last& last = last_[key] = {.partition = partition, .sample = sample, .next_attempt = {}};
     for (const auto& [id, member] : members_) await(key, last, id);
     advance(now);
   }
@@ -110,11 +125,13 @@ class MemoryNetwork::State {
     std::vector<Message> messages;
     const auto end = member.inbox.upper_bound(now);
     for (auto it = member.inbox.begin(); it != end; it = member.inbox.erase(it)) {
-      member.statistics.received_wire_bytes += it->second.wire_bytes;
-      if (!it->second.message) continue;
+      const Datagram& datagram = it->second;
+      const Sample& sample = *datagram.sample;
+      member.statistics.received_wire_bytes += datagram.wire_bytes;
+      if (!datagram.reader->receive(sample.number, datagram.fragment, datagram.fragments)) continue;
       ++member.statistics.received_messages;
-      member.statistics.received_payload_bytes += it->second.message->payload.size();
-      messages.push_back(std::move(*it->second.message));
+      member.statistics.received_payload_bytes += sample.message.payload.size();
+      messages.push_back(sample.message);
     }
     return messages;
   }
@@ -132,7 +149,7 @@ class MemoryNetwork::State {
   };
   struct Last {
     std::string partition;
-    Message message;
+    std::shared_ptr<const Sample> sample;
     std::map<MemberId, Timestamp> next_attempt;  // for those it has not reached yet
   };
 
@@ -149,7 +166,7 @@ class MemoryNetwork::State {
     while (const std::optional<Attempt> next = next_attempt()) {
       if (next->time > now_) return;
       Last& last = last_.at(next->key);
-      if (transfer(next->key.first, next->receiver, last.message, next->time)) {
+      if (transfer(next->key.first, next->receiver, last.sample, next->time)) {
         last.next_attempt.erase(next->receiver);
       } else {
         last.next_attempt[next->receiver] = next->time + kRetransmission;
@@ -167,33 +184,36 @@ class MemoryNetwork::State {
     return next;
   }
 
-  // Puts a sample on the link. True if it arrives as a whole.
-  bool transfer(MemberId from, MemberId to, const Message& message, Timestamp now) {
+  // Puts a sample on the link. True if all of it arrives.
+  bool transfer(MemberId from,
+                MemberId to,
+                const std::shared_ptr<const Sample>& sample,
+                Timestamp now) {
     Member& sender = members_.at(from);
     Member& receiver = members_.at(to);
     Member& robot = sender.is_robot ? sender : receiver;
     robot.uplink.start(now);
     robot.downlink.start(now);
     LinkModel& link = sender.is_robot ? robot.uplink : robot.downlink;
-    Arrival arrival{.wire_bytes = 0, .message = std::nullopt};
-    std::optional<Timestamp> last_arrival;
-    bool complete = true;
-    for (const std::size_t bytes : datagram_sizes(message.payload.size())) {
-      sender.statistics.sent_wire_bytes += bytes;
-      const std::vector<Timestamp> copies = link.arrivals(now, bytes);
-      complete = complete && !copies.empty();
-      if (copies.empty()) continue;
-      arrival.wire_bytes += copies.size() * bytes;
-      last_arrival = std::max(last_arrival, std::optional(std::ranges::min(copies)));
+    auto& reader = receiver.readers[{from, sample->message.topic}];
+    if (!reader) reader = std::make_shared<BestEffortReader>();
+    const std::vector<std::size_t> sizes = datagram_sizes(sample->message.payload.size());
+    bool is_complete = true;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+      sender.statistics.sent_wire_bytes += sizes[i];
+      const std::vector<Timestamp> arrivals = link.arrivals(now, sizes[i]);
+      is_complete = is_complete && !arrivals.empty();
+      for (const Timestamp arrival : arrivals) {
+        receiver.inbox.emplace(arrival, Datagram{sizes[i], sample, i, sizes.size(), reader});
+      }
     }
-    if (complete) arrival.message = message;
-    if (last_arrival) receiver.inbox.emplace(*last_arrival, std::move(arrival));
-    return complete;
+    return is_complete;
   }
 
   LinkConfig link_;
   Timestamp now_{Timestamp::min()};
   MemberId next_id_ = 0;
+  std::uint64_t samples_ = 0;
   std::map<MemberId, Member> members_;
   std::map<Key, Last> last_;  // of the reliable topics
 };

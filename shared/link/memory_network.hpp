@@ -15,7 +15,8 @@ namespace fleetloc {
 /// its own. A robot receives the localizations of its own partition and every localizer's status; a
 /// localizer receives every session, and the submaps and robot statuses of its own partition.
 /// Session and localizer status are reliable and transient-local: the last one of each sender is
-/// repeated until every receiver has it, late joiners included. The rest is best effort.
+/// repeated until every receiver has it, late joiners included. The rest is best effort. Of each
+/// sender and topic a receiver gets newer and newer samples only (BestEffortReader).
 ///
 /// Time is the largest that was passed in; repetitions happen while it advances. The same
 /// calls give the same result. One thread.

@@ -162,10 +162,87 @@ TEST(MemoryNetwork, TellsALateJoinerTheLastSessionOfEveryRobotThatIsThere) {
   EXPECT_THAT(contents(cloud->receive(kStart + milliseconds(7500))), ElementsAre(2, 4));
 }
 
+TEST(MemoryNetwork, DropsWhatArrivesBehindANewerSampleOfTheSameSenderAndTopic) {
+  constexpr int kSamples = 200;
+  MemoryNetwork network(uplink({.jitter_s = 0.1}));
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  for (int i = 0; i < kSamples; ++i) {
+    robot->send("cloud",
+                message(Topic::kSubmap, static_cast<std::uint8_t>(i)),
+                kStart + milliseconds(10 * i));
+  }
+  const auto heard = contents(cloud->receive(kStart + seconds(60)));
+  EXPECT_TRUE(std::ranges::is_sorted(heard));
+  EXPECT_GT(heard.size(), kSamples / 10);
+  EXPECT_LT(heard.size(), kSamples / 2);
+  const ChannelStatistics received = cloud->statistics();
+  EXPECT_EQ(received.received_messages, heard.size());
+  EXPECT_EQ(received.received_wire_bytes, kSamples * datagram_sizes(100).front()) << "all arrive";
+}
+
+TEST(MemoryNetwork, DropsNothingBehindASampleOfAnotherSenderOrTopic) {
+  MemoryNetwork network(uplink({.jitter_s = 0.1}));
+  const auto cloud = network.join_cloud("cloud");
+  std::vector<std::unique_ptr<Channel>> robots;
+  for (int i = 0; i < 100; ++i) {
+    robots.push_back(network.join_robot("robot_" + std::to_string(i)));
+    const auto content = static_cast<std::uint8_t>(i);
+    robots.back()->send("cloud", message(Topic::kSubmap, content), kStart);
+    robots.back()->send("cloud", message(Topic::kRobotStatus, content), kStart);
+  }
+  EXPECT_THAT(cloud->receive(kStart + seconds(60)), testing::SizeIs(200));
+}
+
+TEST(MemoryNetwork, DropsDuplicatesAndCountsTheirBytes) {
+  MemoryNetwork network(uplink({.delay_s = 0.1, .duplication = 1.0}));
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSubmap, 2), kStart);
+  robot->send("cloud", message(Topic::kSubmap, 3, 4000), kStart);
+  EXPECT_THAT(contents(cloud->receive(kStart + seconds(60))), ElementsAre(1, 2, 3));
+  EXPECT_EQ(cloud->statistics().received_wire_bytes, 2 * robot->statistics().sent_wire_bytes);
+}
+
+TEST(MemoryNetwork, CarriesAnotherFragmentInTheRepetitionOfAStatus) {
+  MemoryNetwork network({.uplink = {}, .downlink = {.loss = 0.8}, .seed = 2});
+  const auto cloud = network.join_cloud("cloud");
+  const auto robot = network.join_robot("robot");
+  cloud->send("", message(Topic::kLocalizerStatus, 1, 4000), kStart);
+  EXPECT_THAT(contents(robot->receive(kStart + seconds(60))), ElementsAre(1));
+}
+
+TEST(MemoryNetwork, HasItsOutagesInBothDirectionsAtTheSameTime) {
+  const LinkDirection out{.outages = {.at = {{.from_s = 10.0, .for_s = 5.0}}}};
+  MemoryNetwork network({.uplink = out, .downlink = out, .seed = 1});
+  const auto robot = network.join_robot("robot");
+  const auto cloud = network.join_cloud("cloud");
+  std::vector<int> up;
+  std::vector<int> down;
+  for (int second = 0; second < 20; ++second) {
+    const auto content = static_cast<std::uint8_t>(second);
+    const Timestamp now = kStart + seconds(second);
+    robot->send("cloud", message(Topic::kSubmap, content), now);
+    if (second > 7) cloud->send("robot", message(Topic::kLocalization, content), now);
+    for (const int heard : contents(cloud->receive(now))) up.push_back(heard);
+    for (const int heard : contents(robot->receive(now))) down.push_back(heard);
+  }
+  EXPECT_THAT(up, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 16, 17, 18, 19));
+  EXPECT_THAT(down, ElementsAre(8, 9, 15, 16, 17, 18, 19));
+}
+
+TEST(MemoryNetwork, DeliversWhatIsOnItsWayFromASenderThatHasLeft) {
+  MemoryNetwork network(uplink({.delay_s = 1.0, .duplication = 1.0}));
+  const auto cloud = network.join_cloud("cloud");
+  network.join_robot("robot")->send("cloud", message(Topic::kSubmap, 1), kStart);
+  EXPECT_THAT(contents(cloud->receive(kStart + seconds(2))), ElementsAre(1));
+}
+
 TEST(MemoryNetwork, RepeatsBitByBit) {
   const auto run = [] {
-    MemoryNetwork network({.uplink = {.loss = 0.3, .delay_s = 0.2},
-                           .downlink = {.loss = 0.5, .delay_s = 0.1},
+    MemoryNetwork network({.uplink = {.loss = 0.3, .delay_s = 0.2, .jitter_s = 0.1},
+                           .downlink = {.loss = 0.5, .delay_s = 0.1, .duplication = 0.1},
                            .seed = 11});
     const auto cloud = network.join_cloud("cloud");
     const auto robot = network.join_robot("robot");
