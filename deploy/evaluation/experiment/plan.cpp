@@ -105,8 +105,8 @@ Plan read_plan(const std::filesystem::path& file, const ConfigurationCheck& chec
       reader, "configurations", [&](const auto& name, const auto& section) {
         return read_configuration_spec(name, section, base, check);
       });
-  plan.links = read_axis<LinkSpec>(reader, "links", [](const auto& name, const auto& section) {
-    return read_link_spec(name, section);
+  plan.links = read_axis<LinkSpec>(reader, "links", [&](const auto& name, const auto& section) {
+    return read_link_spec(name, section, base);
   });
   plan.seeds = read_seeds(reader);
   reader.expect_fully_read();

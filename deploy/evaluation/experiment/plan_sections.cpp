@@ -89,17 +89,18 @@ void expect_either(ConfigReader& section, const std::string& name, const char* a
   }
 }
 
-void read_direction(ConfigReader& section, LinkDirection& direction) {
+void read_direction(ConfigReader& section, const fs::path& base, LinkDirection& direction) {
   constexpr double kLongest_s = 3600.0;
   constexpr double kFastest = 1e12;
-  constexpr double kQueue_s = 2.0;  // of the bottleneck, as fleetloc-replay has it
-  constexpr std::size_t kMinQueue = 8000;
   if (section.has("loss")) direction.loss = section.number("loss", 0.0, 1.0);
   if (section.has("latency_s")) direction.delay_s = section.number("latency_s", 0.0, kLongest_s);
-  if (!section.has("bandwidth_bytes_per_s")) return;
-  direction.rate_bytes_per_s = section.number("bandwidth_bytes_per_s", 1.0, kFastest);
-  direction.queue_bytes =
-      std::max(kMinQueue, static_cast<std::size_t>(kQueue_s * direction.rate_bytes_per_s));
+  read_impairments(section, base, direction);
+  if (section.has("bandwidth_bytes_per_s")) {
+    direction.rate_bytes_per_s = section.number("bandwidth_bytes_per_s", 1.0, kFastest);
+  }
+  const bool is_limited = section.has("bandwidth_bytes_per_s") || section.has("rate_trace") ||
+                          section.has("rate_trace_file");
+  if (is_limited) direction.queue_bytes = default_queue_bytes(direction);
 }
 
 }  // namespace
@@ -171,17 +172,18 @@ ConfigurationSpec read_configuration_spec(const std::string& name,
   return spec;
 }
 
-LinkSpec read_link_spec(const std::string& name, ConfigReader section) {
+LinkSpec read_link_spec(const std::string& name, ConfigReader section, const fs::path& base) {
   LinkSpec spec{.name = name, .link = perfect_link()};
-  read_direction(section, spec.link.uplink);
-  read_direction(section, spec.link.downlink);
+  if (section.has("file")) spec.link = read_link_file(existing_file(section, "file", base));
+  read_direction(section, base, spec.link.uplink);
+  read_direction(section, base, spec.link.downlink);
   if (section.has("up")) {
     ConfigReader up = section.section("up");
-    read_direction(up, spec.link.uplink);
+    read_direction(up, base, spec.link.uplink);
   }
   if (section.has("down")) {
     ConfigReader down = section.section("down");
-    read_direction(down, spec.link.downlink);
+    read_direction(down, base, spec.link.downlink);
   }
   return spec;
 }

@@ -20,8 +20,11 @@ ConfigurationSpec read_configuration_spec(const std::string& name,
                                           const std::filesystem::path& base,
                                           const ConfigurationCheck& check);
 
-/// Loss, latency and bandwidth hold in both directions, those of `up` and `down` in one.
-LinkSpec read_link_spec(const std::string& name, ConfigReader section);
+/// Values hold in both directions, those of `up` and `down` in one; `file` is a link that they
+/// change.
+LinkSpec read_link_spec(const std::string& name,
+                        ConfigReader section,
+                        const std::filesystem::path& base);
 
 /// The file that a key names, absolute.
 std::filesystem::path existing_file(ConfigReader& section,

@@ -21,6 +21,16 @@ TEST(BuiltInPlans, CanAllBeRead) {
   EXPECT_GE(count, 5U);
 }
 
+TEST(BuiltInLinks, CanAllBeRead) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kDeploy / "experiments" / "links")) {
+    SCOPED_TRACE(entry.path());
+    EXPECT_NO_THROW(read_link_file(entry.path()));
+    ++count;
+  }
+  EXPECT_EQ(count, 7U);
+}
+
 TEST(BuiltInPlans, DriveTheRingBothWays) {
   const WaypointRoute ring = read_route(kDeploy / "worlds" / "ring.yaml");
   WaypointRoute reversed = read_route(kDeploy / "worlds" / "ring-reversed.yaml");

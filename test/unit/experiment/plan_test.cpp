@@ -47,6 +47,45 @@ TEST_F(PlanFile, GivesALinkItsDirections) {
   EXPECT_EQ(link.uplink.queue_bytes, 8000U);
 }
 
+TEST_F(PlanFile, MayGiveALinkWhateverALinkFileMay) {
+  write("trace.csv", "0, 4000\n10, 9000\n");
+  const LinkConfig link =
+      read_text(with(small_plan(),
+                     "loss: 0.5, bandwidth_bytes_per_s: 1000",
+                     "burst_length: 3, jitter_s: 0.1, rate_trace_file: trace.csv, "
+                     "outages: [[10, 5]], up: {duplication: 0.1}"))
+          .links.at(1)
+          .link;
+  for (const LinkDirection& direction : {link.uplink, link.downlink}) {
+    EXPECT_EQ(direction.burst_length, 3.0);
+    EXPECT_EQ(direction.jitter_s, 0.1);
+    EXPECT_EQ(direction.rate_trace.steps.size(), 2U);
+    EXPECT_EQ(direction.queue_bytes, 18'000U) << "two seconds of the largest rate";
+    EXPECT_EQ(direction.outages.at.size(), 1U);
+  }
+  EXPECT_EQ(link.uplink.duplication, 0.1);
+  EXPECT_EQ(link.downlink.duplication, 0.0);
+  expect_refused("loss: 0.5", "reordering: 0.5", "13: links.poor.reordering", "needs");
+}
+
+TEST_F(PlanFile, MayTakeALinkFromAFileAndChangeIt) {
+  write("links/slow.yaml",
+        "seed: 9\n"
+        "uplink: {loss: 0.1, delay_s: 0.5, rate_bytes_per_s: 4000, queue_bytes: 2000}\n"
+        "downlink: {loss: 0.2, delay_s: 0.5, rate_bytes_per_s: 0, queue_bytes: 0}\n");
+  const LinkConfig link = read_text(with(small_plan(),
+                                         "loss: 0.5, bandwidth_bytes_per_s: 1000",
+                                         "file: links/slow.yaml, up: {loss: 0.4}"))
+                              .links.at(1)
+                              .link;
+  EXPECT_EQ(link.uplink.loss, 0.4);
+  EXPECT_EQ(link.uplink.rate_bytes_per_s, 4000.0);
+  EXPECT_EQ(link.uplink.queue_bytes, 2000U);
+  EXPECT_EQ(link.downlink.loss, 0.2);
+  EXPECT_EQ(link.downlink.delay_s, 2.0);
+  expect_refused("loss: 0.5", "file: none.yaml", "13: links.poor.file", "no such file");
+}
+
 TEST_F(PlanFile, FindsTheGroundTruthOfARecording) {
   const auto dataset = std::get<RecordedDataset>(read_text(small_plan()).datasets.at(0).source);
   EXPECT_EQ(dataset.ground_truth,

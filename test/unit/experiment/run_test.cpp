@@ -83,6 +83,8 @@ TEST_F(ExperimentRun, IsAnotherOneForAnyOtherInput) {
   expect_changed("default: {}", "default: {align_once: true}");
   expect_changed("default: {}", "default: {baseline: icp}");
   expect_changed("ideal: {}", "ideal: {loss: 0.1}");
+  expect_changed("ideal: {}", "ideal: {burst_length: 2}");
+  expect_changed("ideal: {}", "ideal: {outages: [[10, 5]]}");
   expect_changed("[1, 2]", "[3, 2]");
 }
 
