@@ -70,6 +70,7 @@ void CloudNode::run(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       channel_.wait_for_message(kPatience);
       for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
+      for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
       finish_jobs(workers, load);
       start_jobs(workers);
       const Timestamp now = steady_now();
@@ -78,7 +79,6 @@ void CloudNode::run(const std::stop_token& stop) {
       for (auto& outgoing : pool_.outgoing(now, share)) {
         channel_.send(outgoing.partition, std::move(outgoing.message), now);
       }
-      for (const RobotId& robot : pool_.take_departed()) channel_.release(robot);
       for (const std::string& event : channel_.take_events()) {
         spdlog::info("{}: {}", options_.name, event);
       }

@@ -68,8 +68,8 @@ class LocalizerPool {
   /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<OutgoingMessage> outgoing(Timestamp now, double load);
 
-  /// Robots that have stopped being served since the last call: their partitions need no writers.
-  std::vector<RobotId> take_departed() { return protocol_.take_departed(); }
+  /// Robots that are served or may come, new since the last call: Channel::prepare.
+  std::vector<RobotId> take_expected() { return protocol_.take_expected(); }
   /// Events since the last call, each a line for the log.
   std::vector<std::string> take_events() { return report_.take_events(); }
 

@@ -38,7 +38,9 @@ expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::announced(
   if (const auto current = not_superseded(register_.announced(session, now)); !current)
     return unexpected(current.error());
   if (session.localizer != identity_.name) {
-    return sessions_.contains(session.robot) ? Change::kLeft : Change::kNone;
+    if (sessions_.contains(session.robot)) return Change::kLeft;
+    expected_.push_back(session.robot);
+    return Change::kNone;
   }
   if (session.incarnation != identity_.incarnation) {
     return unexpected(PoolRefusal::kOtherIncarnation);
@@ -57,6 +59,7 @@ expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::open(const Robot
                               .answers = AnswerSender(config_.answers),
                               .last_message = now});
     unknown_robots_.erase(session.robot);
+    expected_.push_back(session.robot);
     return Change::kOpened;
   }
   known->second.last_message = now;
@@ -120,7 +123,7 @@ expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, T
   return {};
 }
 
-// Sent to the robot's own partition; the keyframe proves that the request answers its submap.
+// Sent to the robot's own topic; the keyframe proves that the request answers its submap.
 void SessionProtocol::request_session(const SubmapHeader& submap, Timestamp now) {
   if (!sessions_.contains(submap.robot) && sessions_.size() >= config_.max_sessions) return;
   const auto known = unknown_robots_.find(submap.robot);
@@ -207,7 +210,6 @@ LocalizerStatus SessionProtocol::localizer_status(double load) const {
 
 Timestamp SessionProtocol::end(const RobotId& robot) {
   const auto session = sessions_.extract(robot);
-  departed_.push_back(robot);
   return session.mapped().last_message;
 }
 
@@ -221,14 +223,12 @@ std::vector<RobotId> SessionProtocol::idle(Timestamp now) const {
 
 void SessionProtocol::clean_up(Timestamp now) {
   std::erase_if(unknown_robots_, [&](const auto& item) {
-    const bool is_over = to_seconds(now - item.second.requested) > kForgetUnknownRobotSeconds;
-    if (is_over && !sessions_.contains(item.first)) departed_.push_back(item.first);
-    return is_over;
+    return to_seconds(now - item.second.requested) > kForgetUnknownRobotSeconds;
   });
 }
 
-std::vector<RobotId> SessionProtocol::take_departed() {
-  return std::exchange(departed_, {});
+std::vector<RobotId> SessionProtocol::take_expected() {
+  return std::exchange(expected_, {});
 }
 
 SessionProtocol::Config read_session_protocol_config(ConfigReader pool) {

@@ -19,7 +19,7 @@
 namespace fleetloc {
 
 struct OutgoingMessage {
-  std::string partition;  ///< as in Channel::send
+  std::string partition;  ///< the receiver, as in Channel::send
   Message message;
 };
 
@@ -52,7 +52,8 @@ class SessionProtocol {
 
   SessionProtocol(Identity identity, const Config& config);
 
-  /// Announcements to other localizers count, too. After kOpened, kReplaced and kNewStart answers
+  /// That of a session with another localizer comes from a robot that leaves, or that may come when
+  /// the other one fails. After kOpened, kReplaced and kNewStart answers
   /// to what came before are not sent any more. kLeft expects that the caller ends the session.
   expected<Change, PoolRefusal> announced(const RobotSession& session, Timestamp now);
 
@@ -87,8 +88,9 @@ class SessionProtocol {
   /// Forgets robots whose session is unknown and that are silent. To be called from time to time.
   void clean_up(Timestamp now);
 
-  /// Robots to which nothing is sent any more, since the last call.
-  std::vector<RobotId> take_departed();
+  /// Robots to which something will be sent, or may be soon, that have become known since the last
+  /// call.
+  std::vector<RobotId> take_expected();
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
 
@@ -117,7 +119,7 @@ class SessionProtocol {
   SessionRegister register_;
   std::map<RobotId, Session> sessions_;
   std::map<RobotId, UnknownRobot> unknown_robots_;
-  std::vector<RobotId> departed_;
+  std::vector<RobotId> expected_;
   std::optional<Timestamp> status_sent_;
 };
 

@@ -15,6 +15,7 @@ SimulatedCloud::SimulatedCloud(LocalizerPool pool,
 
 void SimulatedCloud::advance(Timestamp now) {
   for (const Message& message : channel_.receive(now)) pool_.receive(message, now);
+  for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
   if (!load_) load_.emplace(1, now);
   if (running_ && running_->ready <= now) {
     load_->add(localization_time_);
@@ -25,7 +26,6 @@ void SimulatedCloud::advance(Timestamp now) {
   for (auto& outgoing : pool_.outgoing(now, load_->measure(now))) {
     channel_.send(outgoing.partition, std::move(outgoing.message), now);
   }
-  for (const RobotId& robot : pool_.take_departed()) channel_.release(robot);
 }
 
 void SimulatedCloud::start_next(Timestamp now) {

@@ -27,6 +27,7 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
       channel_(channel),
       config_(config),
       selector_(robot_, config.selector),
+      connections_(channel, config.connections),
       announcer_(config.announcement),
       uplink_(robot_, config.uplink) {}
 
@@ -70,7 +71,7 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
   }
   if (announcer_.session()) update_localizer(now);  // after the status messages
   if (!localizer_.empty()) {
-    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, now);
+    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, localizer_, now);
   }
   send_submap(now);
   send_status(now);
@@ -166,7 +167,9 @@ void CloudClient::session_requested(const LocalizationResult& answer, Timestamp 
     static_cast<void>(selector_.update(status, now));
     return;
   }
-  if (const auto announcement = announcer_.requested(now)) announce(*announcement, now);
+  if (const auto announcement = announcer_.requested(now)) {
+    announce(*announcement, localizer_, now);
+  }
 }
 
 // After kSettledSeconds no answer to an earlier session of this robot can be in flight.
@@ -197,18 +200,39 @@ void CloudClient::update_localizer(Timestamp now) {
       note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
     }
   }
-  if (change == Change::kNone) return report_warning();
-  reported_warning_.clear();
-  if (localizer_ != selector_.name() && !localizer_.empty()) channel_.release(localizer_);
-  if (change == Change::kLeft) note("localizer " + localizer_ + " is left: " + selector_.reason());
-  localizer_ = selector_.name();
-  if (change == Change::kLeft) return;
+  if (change == Change::kNone) {
+    report_warning();
+  } else if (change == Change::kLeft) {
+    note("localizer " + localizer_ + " is left: " + selector_.reason());
+    reported_warning_.clear();
+    localizer_.clear();
+  } else {
+    change_localizer(now);
+  }
+  keep_connections(now);
+}
+
+// The one that is left is told, too, and ends the session at once.
+void CloudClient::change_localizer(Timestamp now) {
+  const std::string left = std::exchange(localizer_, selector_.name());
   ++statistics_.localizers_chosen;
+  reported_warning_.clear();
   other_map_.clear();
   note("localizer " + localizer_ + ", started as " +
        std::to_string(static_cast<std::uint32_t>(selector_.incarnation())) + ": " +
        selector_.reason());
   start_stream(now);
+  if (!left.empty() && left != localizer_) announce(*announcer_.session(), left, now);
+}
+
+// The others are told of the session, too: so they are ready to answer.
+void CloudClient::keep_connections(Timestamp now) {
+  if (localizer_.empty()) return;
+  std::vector<std::string> wanted = selector_.standbys(connections_.standbys(), now);
+  wanted.push_back(localizer_);
+  for (const std::string& localizer : connections_.keep(wanted, now)) {
+    if (localizer != localizer_) announce(*announcer_.session(), localizer, now);
+  }
 }
 
 // Starts the submap stream of this session to this incarnation of the localizer.
@@ -218,12 +242,14 @@ void CloudClient::start_stream(Timestamp now) {
   answers_ = {};
   receipt_ = {};
   uplink_.restart(announcer_.session()->session, selector_.incarnation());
-  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), now);
+  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), localizer_, now);
 }
 
-void CloudClient::announce(const RobotSession& session, Timestamp now) {
+void CloudClient::announce(const RobotSession& session,
+                           const std::string& localizer,
+                           Timestamp now) {
   try {
-    channel_.send("", {Topic::kSession, encode(session)}, now);
+    channel_.send(localizer, {Topic::kSession, encode(session)}, now);
   } catch (const NotEncodable&) {  // start out of range of the wire type
     refuse(MessageRefusal::kNotEncodable);
     announcer_.drop_start();
@@ -280,6 +306,7 @@ LinkTraffic CloudClient::traffic() const {
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
   ConfigReader announcement = config.section("announcement");
   return {.selector = read_localizer_selector_config(config.section("selector")),
+          .connections = read_localizer_connections_config(config.section("connections")),
           .announcement = {.interval_s = announcement.positive("interval_s"),
                            .max_interval_s = announcement.positive("max_interval_s"),
                            .min_interval_s = announcement.positive("min_interval_s")},

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "robot/cloud_client/localizer_connections.hpp"
 #include "robot/cloud_client/localizer_selector.hpp"
 #include "robot/cloud_client/message_refusal.hpp"
 #include "robot/cloud_client/session_announcer.hpp"
@@ -30,6 +31,7 @@ class CloudClient final : public MapLocalizer {
  public:
   struct Config {
     LocalizerSelector::Config selector;
+    LocalizerConnections::Config connections;
     SessionAnnouncer::Config announcement;
     SubmapUplink::Config uplink;
     double status_interval_s;  ///< of RobotStatus
@@ -74,8 +76,10 @@ class CloudClient final : public MapLocalizer {
   void update_localizer(Timestamp now);
   void report_warning();
   void check_for_duplicate_id(const LocalizationResult& answer, Timestamp now);
+  void change_localizer(Timestamp now);
+  void keep_connections(Timestamp now);
   void start_stream(Timestamp now);
-  void announce(const RobotSession& session, Timestamp now);
+  void announce(const RobotSession& session, const std::string& localizer, Timestamp now);
   void send_submap(Timestamp now);
   void send_status(Timestamp now);
   template <typename Reason>
@@ -89,8 +93,9 @@ class CloudClient final : public MapLocalizer {
   Channel& channel_;
   Config config_;
   LocalizerSelector selector_;
+  LocalizerConnections connections_;
   SessionAnnouncer announcer_;
-  std::string localizer_;  // in whose partition the robot writes; empty: none
+  std::string localizer_;  // to which the robot sends; empty: none
   std::optional<Timestamp> status_sent_;
   Quality quality_ = Quality::kInitializing;
   std::uint64_t answers_applied_ = 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <ranges>
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
@@ -156,6 +158,19 @@ LocalizerSelector::Candidate LocalizerSelector::best(Timestamp now, bool even_ex
     result = it;
   }
   return result;
+}
+
+// As `best` would choose them; of those with more load the preferred one, too, so that a load that
+// comes and goes does not change them.
+std::vector<std::string> LocalizerSelector::standbys(std::size_t count, Timestamp now) const {
+  std::vector<std::pair<std::uint64_t, std::string>> candidates;
+  for (const auto& [name, known] : known_) {
+    if (is_candidate(known, now, false)) candidates.emplace_back(hash(robot_, name), name);
+  }
+  std::ranges::sort(candidates, std::greater());
+  std::vector<std::string> names;
+  for (const auto& [preference, name] : candidates | std::views::take(count)) names.push_back(name);
+  return names;
 }
 
 bool LocalizerSelector::is_silent(Timestamp now, const Link& link) const {

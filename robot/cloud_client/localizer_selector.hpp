@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "shared/core/expected.hpp"
 #include "shared/model/session.hpp"
@@ -68,6 +69,9 @@ class LocalizerSelector {
 
   /// Evaluates timeouts and loads; to be called regularly.
   Change decide(Timestamp now, const Link& link);
+
+  /// The others that it would choose next, the best one first.
+  [[nodiscard]] std::vector<std::string> standbys(std::size_t count, Timestamp now) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }         ///< empty: none
   [[nodiscard]] Incarnation incarnation() const { return incarnation_; }  ///< of the chosen one

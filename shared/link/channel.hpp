@@ -8,7 +8,8 @@
 
 namespace fleetloc {
 
-/// The topics of the system, idl/ has their types.
+/// The topics of the system, idl/ has their types. Each robot and each localizer has its own, but
+/// for kLocalizerStatus, which is one for all.
 enum class Topic {
   kSession,
   kSubmap,  ///< in the full encoding
@@ -17,6 +18,12 @@ enum class Topic {
   kRobotStatus,
   kLocalizerStatus
 };
+
+/// Whether the latest message of a sender to a receiver is repeated until it arrives, also at one
+/// that comes later. The others are best effort.
+constexpr bool is_reliable(Topic topic) {
+  return topic == Topic::kSession || topic == Topic::kLocalizerStatus;
+}
 
 /// A serialized sample: CDR with its four bytes of encapsulation, as DDS carries it.
 using Bytes = std::vector<std::uint8_t>;
@@ -47,7 +54,7 @@ class Channel {
   Channel& operator=(const Channel&) = delete;
 
   /// @param partition  the receiver: the name of a localizer or the id of a robot; empty for the
-  ///                   topics that everyone receives (session, localizer status)
+  ///                   topic that all robots receive (localizer status)
   virtual void send(const std::string& partition, Message message, Timestamp now) = 0;
 
   /// What has arrived until `now`, in order of arrival; each message is returned once.
@@ -55,7 +62,12 @@ class Channel {
 
   [[nodiscard]] virtual ChannelStatistics statistics() const = 0;
 
-  /// Frees the resources for sending to this partition, until something is sent to it again.
+  /// Makes ready for sending to this receiver, which over DDS takes some exchanges of discovery: so
+  /// that the first message does not wait for them.
+  virtual void prepare(const std::string& /*partition*/) {}
+
+  /// Frees the resources for sending to this receiver, until it is prepared or sent to again. What
+  /// has not arrived by then is not repeated any more.
   virtual void release(const std::string& /*partition*/) {}
 };
 

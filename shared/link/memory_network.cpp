@@ -39,10 +39,6 @@ struct Member {
   ChannelStatistics statistics;
 };
 
-bool is_reliable(Topic topic) {
-  return topic == Topic::kSession || topic == Topic::kLocalizerStatus;
-}
-
 bool hears(const Member& receiver,
            const Member& sender,
            Topic topic,
@@ -50,7 +46,6 @@ bool hears(const Member& receiver,
   if (receiver.is_robot == sender.is_robot) return false;
   switch (topic) {
     case Topic::kSession:
-      return !receiver.is_robot;
     case Topic::kSubmap:
     case Topic::kCompactSubmap:
     case Topic::kRobotStatus:
@@ -92,7 +87,7 @@ class MemoryNetwork::State {
 
   void leave(MemberId id) {
     members_.erase(id);
-    std::erase_if(last_, [&](const auto& item) { return item.first.first == id; });
+    std::erase_if(last_, [&](const auto& item) { return item.first.sender == id; });
     for (auto& [key, last] : last_) last.next_attempt.erase(id);
     for (auto& [other, member] : members_) {
       std::erase_if(member.readers, [&](const auto& item) { return item.first.first == id; });
@@ -113,10 +108,16 @@ class MemoryNetwork::State {
       }
       return;
     }
-    const Key key{sender, topic};
-    Last& last = last_[key] = {.partition = partition, .sample = sample, .next_attempt = {}};
+    const Key key{sender, topic, partition};
+    Last& last = last_[key] = {.sample = sample, .next_attempt = {}};
     for (const auto& [id, member] : members_) await(key, last, id);
     advance(now);
+  }
+
+  void release(MemberId sender, const std::string& partition) {
+    std::erase_if(last_, [&](const auto& item) {
+      return item.first.sender == sender && item.first.partition == partition;
+    });
   }
 
   std::vector<Message> receive(MemberId receiver, Timestamp now) {
@@ -141,21 +142,25 @@ class MemoryNetwork::State {
   }
 
  private:
-  using Key = std::pair<MemberId, Topic>;  // who sent it
+  struct Key {
+    MemberId sender;
+    Topic topic;
+    std::string partition;
+    auto operator<=>(const Key&) const = default;  // NOLINT(modernize-use-nullptr)
+  };
   struct Attempt {
     Timestamp time;
     Key key;
     MemberId receiver;
   };
   struct Last {
-    std::string partition;
     std::shared_ptr<const Sample> sample;
     std::map<MemberId, Timestamp> next_attempt;  // for those it has not reached yet
   };
 
   void await(const Key& key, Last& last, MemberId receiver) {
-    const Member& sender = members_.at(key.first);
-    if (hears(members_.at(receiver), sender, key.second, last.partition)) {
+    const Member& sender = members_.at(key.sender);
+    if (hears(members_.at(receiver), sender, key.topic, key.partition)) {
       last.next_attempt[receiver] = now_;
     }
   }
@@ -166,7 +171,7 @@ class MemoryNetwork::State {
     while (const std::optional<Attempt> next = next_attempt()) {
       if (next->time > now_) return;
       Last& last = last_.at(next->key);
-      if (transfer(next->key.first, next->receiver, last.sample, next->time)) {
+      if (transfer(next->key.sender, next->receiver, last.sample, next->time)) {
         last.next_attempt.erase(next->receiver);
       } else {
         last.next_attempt[next->receiver] = next->time + kRetransmission;
@@ -231,6 +236,7 @@ class MemoryNetwork::End final : public Channel {
   [[nodiscard]] std::vector<Message> receive(Timestamp now) override {
     return state_->receive(id_, now);
   }
+  void release(const std::string& partition) override { state_->release(id_, partition); }
   [[nodiscard]] ChannelStatistics statistics() const override { return state_->statistics(id_); }
 
  private:

@@ -9,14 +9,14 @@
 namespace fleetloc {
 
 /// Robots and localizers in one process and in simulated time: what DDS does between them, with the
-/// same partitions, datagrams and header bytes, and nothing else (no discovery, no heartbeats).
+/// same receivers, datagrams and header bytes, and nothing else (no discovery, no heartbeats).
 ///
 /// A robot's uplink carries what it sends, its downlink what it receives; every robot has a link of
-/// its own. A robot receives the localizations of its own partition and every localizer's status; a
-/// localizer receives every session, and the submaps and robot statuses of its own partition.
-/// Session and localizer status are reliable and transient-local: the last one of each sender is
-/// repeated until every receiver has it, late joiners included. The rest is best effort. Of each
-/// sender and topic a receiver gets newer and newer samples only (BestEffortReader).
+/// its own. A robot receives what is sent to it and every localizer's status; a localizer receives
+/// what is sent to it. Session and localizer status are reliable and transient-local: the last one
+/// of each sender is repeated until its receiver has it, or every robot, late joiners included. The
+/// rest is best effort. Of each sender and topic a receiver gets newer and newer samples only
+/// (BestEffortReader).
 ///
 /// Time is the largest that was passed in; repetitions happen while it advances. The same
 /// calls give the same result. One thread.

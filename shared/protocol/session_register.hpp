@@ -32,7 +32,9 @@ std::string_view name(SessionRefusal refusal);
 /// that is silent for `silence_s` is replaced by any other: the robot's clock may have been set
 /// back.
 ///
-/// Announcements to other localizers count, too, so that every localizer decides alike.
+/// Each localizer has its own, and knows what it is told: by the robots that it serves, that leave
+/// it, and that may come. Two robots with one id that use different localizers are noticed by
+/// themselves: they hear each other's answers.
 class SessionRegister {
  public:
   struct Config {

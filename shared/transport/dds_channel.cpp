@@ -19,10 +19,19 @@ constexpr std::size_t kMaxEvents = 100;       // further ones are dropped
 constexpr milliseconds kLook{1000};           // period of checks without a notification
 constexpr milliseconds kLookAgain{50};        // while it changes
 constexpr milliseconds kFirstLookup{500};     // of peers, that a program's start waits for
+constexpr std::chrono::seconds kAlone{5};     // then localizers of other versions are sought
+constexpr std::chrono::seconds kAbsent{60};   // then a localizer's writers to a robot are deleted
+constexpr std::size_t kMaxPrepared = 8192;    // writers; others are made when they are needed
 
-void check(const std::string& partition) {
-  if (partition.empty() || is_valid_id(partition)) return;
-  throw std::invalid_argument("not a partition: '" + partition + "'");
+void check(Topic topic, const std::string& receiver) {
+  if (topic == Topic::kLocalizerStatus ? receiver.empty() : is_valid_id(receiver)) return;
+  throw std::invalid_argument("not a receiver: '" + receiver + "'");
+}
+
+/// What an end sends to each of its receivers.
+std::vector<Topic> topics_from(ChannelRole role) {
+  if (role == ChannelRole::kCloud) return {Topic::kLocalization, Topic::kCorrection};
+  return {Topic::kSession, Topic::kSubmap, Topic::kRobotStatus};
 }
 
 }  // namespace
@@ -31,6 +40,7 @@ DdsChannel::DdsChannel(const Config& config)
     : config_(config),
       wire_(std::make_shared<WireLink>(config.role, config.link)),
       lookup_(named_peers(config.participant_profile)),
+      presence_(kAbsent),
       connection_(connect({.predecessor = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
@@ -41,10 +51,10 @@ std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& opt
       });
 }
 
-void DdsChannel::send(const std::string& partition, Message message, Timestamp /*now*/) {
-  check(partition);
+void DdsChannel::send(const std::string& receiver, Message message, Timestamp /*now*/) {
+  check(message.topic, receiver);
   const std::size_t size = message.payload.size();
-  const Destination destination{message.topic, partition};
+  const Destination destination{message.topic, receiver};
   bool connected = false;
   bool sent = false;
   {
@@ -52,7 +62,7 @@ void DdsChannel::send(const std::string& partition, Message message, Timestamp /
     destinations_.insert(destination);
     connected = connection_ != nullptr;
     sent = connected && connection_->writer(destination).write(&message.payload);
-    if (partition.empty()) last_reliable_[destination] = std::move(message);
+    if (is_reliable(message.topic)) last_reliable_[destination] = std::move(message);
   }
   const std::lock_guard lock(mutex_);
   ++statistics_.sent_messages;
@@ -78,11 +88,38 @@ ChannelStatistics DdsChannel::statistics() const {
   return statistics;
 }
 
-void DdsChannel::release(const std::string& partition) {
-  if (partition.empty()) return;  // topics for everyone
+void DdsChannel::prepare(const std::string& receiver) {
   const std::lock_guard lock(sending_);
-  std::erase_if(destinations_, [&](const Destination& one) { return one.second == partition; });
-  if (connection_) connection_->release(partition);
+  for (const Topic topic : topics_from(config_.role)) {
+    check(topic, receiver);
+    if (destinations_.size() >= kMaxPrepared) return;
+    destinations_.insert({topic, receiver});
+    if (connection_) connection_->writer({topic, receiver});
+  }
+}
+
+void DdsChannel::release(const std::string& receiver) {
+  if (receiver.empty()) return;  // the topic for all robots
+  const std::lock_guard lock(sending_);
+  delete_writers(receiver);
+}
+
+void DdsChannel::delete_writers(const std::string& receiver) {
+  std::erase_if(destinations_, [&](const Destination& one) { return one.second == receiver; });
+  std::erase_if(last_reliable_, [&](const auto& one) { return one.first.second == receiver; });
+  if (connection_) connection_->release(receiver);
+}
+
+void DdsChannel::release_absent(std::chrono::steady_clock::time_point now) {
+  const std::lock_guard lock(sending_);
+  if (!connection_) return;
+  std::set<std::string> receivers;
+  for (const auto& [topic, receiver] : destinations_) {
+    if (!receiver.empty()) receivers.insert(receiver);
+  }
+  for (const std::string& receiver : presence_.absent(receivers, connection_->present(), now)) {
+    delete_writers(receiver);
+  }
 }
 
 bool DdsChannel::wait_for_message(milliseconds patience) {
@@ -90,13 +127,13 @@ bool DdsChannel::wait_for_message(milliseconds patience) {
   return arrived_.wait_for(lock, patience, [this] { return !inbox_.empty(); });
 }
 
-int DdsChannel::matched_readers(Topic topic, const std::string& partition) {
-  check(partition);
+int DdsChannel::matched_readers(Topic topic, const std::string& receiver) {
+  check(topic, receiver);
   const std::lock_guard lock(sending_);
-  destinations_.insert({topic, partition});
+  destinations_.insert({topic, receiver});
   if (!connection_) return 0;
   eprosima::fastdds::dds::PublicationMatchedStatus status;
-  connection_->writer({topic, partition}).get_publication_matched_status(status);
+  connection_->writer({topic, receiver}).get_publication_matched_status(status);
   return status.current_count;
 }
 
@@ -169,6 +206,20 @@ void DdsChannel::wait_and_look(ParticipantRecreationPolicy& policy,
   if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
   if (wire_->servers.has_restarted()) policy.server_restarted();
   if (policy.wants_lookup(Clock::now())) lookup_.start();
+  look_for_other_versions(Clock::now());
+  if (config_.role == ChannelRole::kCloud) release_absent(Clock::now());
+  for (std::string& event : wire_->versions.take_events()) note(std::move(event));
+}
+
+void DdsChannel::look_for_other_versions(std::chrono::steady_clock::time_point now) {
+  const std::lock_guard lock(sending_);
+  if (!connection_ || !connection_->is_alone()) {
+    alone_since_.reset();
+  } else if (!alone_since_) {
+    alone_since_ = now;
+  } else if (now - *alone_since_ > kAlone) {
+    connection_->seek_other_versions();
+  }
 }
 
 // The old one is deleted first: the new one needs its ports.

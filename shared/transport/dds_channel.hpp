@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -14,6 +15,7 @@
 
 #include "shared/link/channel.hpp"
 #include "shared/transport/dds_connection.hpp"
+#include "shared/transport/receiver_presence.hpp"
 #include "shared/transport/workarounds/network_addresses.hpp"
 #include "shared/transport/workarounds/participant_recreation_policy.hpp"
 #include "shared/transport/workarounds/peer_lookup.hpp"
@@ -32,11 +34,11 @@ struct ChannelDiagnostics {
   std::map<std::string, std::uint64_t> malformed;
 };
 
-/// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics, partitions
-/// and receivers are those of MemoryNetwork. Time is that of the network: `now` is ignored.
+/// One end of the network over Fast DDS, with the QoS of the loaded profiles. Topics and receivers
+/// are those of MemoryNetwork. Time is that of the network: `now` is ignored.
 ///
-/// A writer is created when its partition is first written to; until it is matched with its
-/// readers, best effort samples are lost, and the protocol above has to repeat what matters. Any
+/// A writer is created when its receiver is prepared or first written to; until it is matched with
+/// its reader, best effort samples are lost, and the protocol above has to repeat what matters. Any
 /// thread may use any function.
 ///
 /// When the addresses of this computer change, or the discovery server was restarted, the
@@ -53,19 +55,22 @@ class DdsChannel final : public Channel {
   DdsChannel(const DdsChannel&) = delete;
   DdsChannel& operator=(const DdsChannel&) = delete;
 
-  /// Throws std::invalid_argument for a partition that is neither empty nor a valid id: `*` would
-  /// reach everyone.
-  void send(const std::string& partition, Message message, Timestamp now) override;
+  /// Throws std::invalid_argument for a receiver that is not a valid id, but for the topic that all
+  /// robots receive, whose receiver is empty.
+  void send(const std::string& receiver, Message message, Timestamp now) override;
   [[nodiscard]] std::vector<Message> receive(Timestamp now) override;
   [[nodiscard]] ChannelStatistics statistics() const override;
-  /// Deletes the writers of a partition.
-  void release(const std::string& partition) override;
+  /// Creates the writers to a receiver.
+  void prepare(const std::string& receiver) override;
+  /// Deletes them. A localizer's writers to a robot that has not been there for a minute are
+  /// deleted anyway.
+  void release(const std::string& receiver) override;
 
   /// Waits for a message, at most for `patience`. False if there is none.
   bool wait_for_message(std::chrono::milliseconds patience);
 
-  /// Number of readers matched with the writer of this partition; creates the writer.
-  int matched_readers(Topic topic, const std::string& partition);
+  /// Number of readers matched with the writer to this receiver; creates the writer.
+  int matched_readers(Topic topic, const std::string& receiver);
   [[nodiscard]] ChannelDiagnostics diagnostics() const;
   /// Changes of the network and the participant since the last call, each a line for a log.
   std::vector<std::string> take_events();
@@ -77,6 +82,9 @@ class DdsChannel final : public Channel {
   void wait_and_look(ParticipantRecreationPolicy& policy,
                      const std::vector<std::string>& whitelist,
                      const std::stop_token& stop);
+  void look_for_other_versions(std::chrono::steady_clock::time_point now);
+  void delete_writers(const std::string& receiver);  // expects `sending_` to be locked
+  void release_absent(std::chrono::steady_clock::time_point now);
   bool recreate(const std::string& reason, ParticipantOptions& options);
   void note(std::string event);
 
@@ -93,8 +101,10 @@ class DdsChannel final : public Channel {
   std::mutex sending_;            // guards what follows; taken before mutex_
   std::set<Destination> destinations_;
   std::map<Destination, Message> last_reliable_;  // for late joiners after a recreation
+  ReceiverPresence presence_;
   std::unique_ptr<DdsConnection> connection_;     // none while it is recreated
-  std::jthread watch_;                            // last: it uses all others
+  std::optional<std::chrono::steady_clock::time_point> alone_since_;
+  std::jthread watch_;  // last: it uses all others
 };
 
 }  // namespace fleetloc

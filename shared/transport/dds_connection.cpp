@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
+#include <fastdds/dds/core/status/SubscriptionMatchedStatus.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include "shared/core/ids.hpp"
@@ -27,6 +29,8 @@ DdsConnection::DdsConnection(const DdsChannelConfig& end,
                              Deliver deliver)
     : participant_(end.domain, end.participant_profile, wire, options),
       subscriptions_(subscribe(end)),
+      versions_(end.role == ChannelRole::kCloud ? participant_.create_writer(versions_topic_spec())
+                                                : nullptr),
       deliver_(std::move(deliver)),
       thread_(readers_of(subscriptions_),
               [this](dds::DataReader& reader) { return take(reader); }) {}
@@ -34,27 +38,50 @@ DdsConnection::DdsConnection(const DdsChannelConfig& end,
 dds::DataWriter& DdsConnection::writer(const Destination& destination) {
   const auto existing = writers_.find(destination);
   if (existing != writers_.end()) return *existing->second;
-  const auto& [topic, partition] = destination;
-  auto created = participant_.create_writer(topic_spec(topic), partition);
+  const auto& [topic, receiver] = destination;
+  auto created = participant_.create_writer(topic_spec(topic, receiver));
   return *writers_.emplace(destination, std::move(created)).first->second;
 }
 
-void DdsConnection::release(const std::string& partition) {
-  std::erase_if(writers_, [&](const auto& item) { return item.first.second == partition; });
+void DdsConnection::release(const std::string& receiver) {
+  std::erase_if(writers_, [&](const auto& item) { return item.first.second == receiver; });
+}
+
+std::set<std::string> DdsConnection::present() const {
+  std::set<std::string> present;
+  for (const auto& [destination, writer] : writers_) {
+    dds::PublicationMatchedStatus matched;
+    writer->get_publication_matched_status(matched);
+    if (matched.current_count > 0) present.insert(destination.second);
+  }
+  return present;
+}
+
+bool DdsConnection::is_alone() const {
+  const auto status =
+      std::ranges::find(subscriptions_, Topic::kLocalizerStatus, &Subscription::topic);
+  if (status == subscriptions_.end()) return false;
+  dds::SubscriptionMatchedStatus matched;
+  status->reader->get_subscription_matched_status(matched);
+  return matched.current_count == 0;
+}
+
+void DdsConnection::seek_other_versions() {
+  if (!other_versions_) other_versions_ = participant_.create_reader(versions_topic_spec());
 }
 
 std::vector<DdsConnection::Subscription> DdsConnection::subscribe(const DdsChannelConfig& end) {
   if (!is_valid_id(end.name)) throw TransportError("not a valid name: '" + end.name + "'");
   std::vector<Subscription> subscriptions;
-  const auto subscribe_to = [&](Topic topic, const std::string& partition) {
-    auto reader = participant_.create_reader(topic_spec(topic), partition);
+  const auto subscribe_to = [&](Topic topic, const std::string& receiver) {
+    auto reader = participant_.create_reader(topic_spec(topic, receiver));
     subscriptions.push_back({.topic = topic, .reader = std::move(reader)});
   };
   if (end.role == ChannelRole::kRobot) {
     subscribe_to(Topic::kLocalization, end.name);
     subscribe_to(Topic::kLocalizerStatus, "");
   } else {
-    subscribe_to(Topic::kSession, "");
+    subscribe_to(Topic::kSession, end.name);
     subscribe_to(Topic::kSubmap, end.name);
     subscribe_to(Topic::kCompactSubmap, end.name);
     subscribe_to(Topic::kRobotStatus, end.name);

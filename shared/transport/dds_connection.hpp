@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,11 +23,11 @@ struct DdsChannelConfig {
   std::uint32_t domain;  ///< 0..100
   std::string participant_profile;
   ChannelRole role;
-  std::string name;                ///< of the robot or the localizer: its partition
+  std::string name;                ///< of the robot or the localizer
   std::optional<LinkConfig> link;  ///< emulated around this end, see EmulatedLink
 };
 
-/// Topic and partition of a writer.
+/// Topic and receiver of a writer, as in Channel::send.
 using Destination = std::pair<Topic, std::string>;
 
 /// The part of a DdsChannel that does not survive a change of the network: a participant with the
@@ -44,7 +45,14 @@ class DdsConnection {
 
   /// Created on first use.
   eprosima::fastdds::dds::DataWriter& writer(const Destination& destination);
-  void release(const std::string& partition);
+  void release(const std::string& receiver);
+  /// Receivers with a matched reader.
+  [[nodiscard]] std::set<std::string> present() const;
+
+  /// Of a robot: no localizer is matched.
+  [[nodiscard]] bool is_alone() const;
+  /// From now on localizers of every wire version are discovered.
+  void seek_other_versions();
 
   [[nodiscard]] const Participant& participant() const { return participant_; }
 
@@ -60,6 +68,8 @@ class DdsConnection {
   Participant participant_;
   std::map<Destination, EntityPtr<eprosima::fastdds::dds::DataWriter>> writers_;
   std::vector<Subscription> subscriptions_;
+  EntityPtr<eprosima::fastdds::dds::DataWriter> versions_;        // of a localizer
+  EntityPtr<eprosima::fastdds::dds::DataReader> other_versions_;  // of a robot that seeks them
   Deliver deliver_;
   ReaderThread thread_;  // last, so that it ends before what it uses
 };

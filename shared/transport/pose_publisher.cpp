@@ -8,7 +8,7 @@ PosePublisher::PosePublisher(std::uint32_t domain,
                              const std::string& robot,
                              const std::string& participant_profile)
     : participant_(domain, participant_profile),
-      writer_(participant_.create_writer(pose_topic_spec(), robot)) {}
+      writer_(participant_.create_writer(pose_topic_spec(robot))) {}
 
 bool PosePublisher::publish(Bytes pose) {
   return writer_->write(&pose);

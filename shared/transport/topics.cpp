@@ -15,34 +15,51 @@ namespace fleetloc {
 namespace {
 
 template <typename PubSubType>
-TopicSpec spec(const std::string& name) {
-  TopicSpec spec{.name = "fleetloc/" + name, .qos_profile = name, .type = {}};
+TopicSpec spec(const std::string& name, const std::string& qos_profile) {
+  TopicSpec spec{.name = name, .qos_profile = qos_profile, .type = {}};
   spec.type.reset(new BytesType(PubSubType()));
   return spec;
 }
 
+const std::string kPrefix = "fleetloc/" + std::to_string(kWireVersion) + "/";
+
+template <typename PubSubType>
+TopicSpec to(const std::string& receiver, const std::string& topic, const std::string& qos) {
+  return spec<PubSubType>(kPrefix + receiver + "/" + topic, qos);
+}
+template <typename PubSubType>
+TopicSpec to(const std::string& receiver, const std::string& topic) {
+  return to<PubSubType>(receiver, topic, topic);
+}
+
 }  // namespace
 
-TopicSpec topic_spec(Topic topic) {
+TopicSpec topic_spec(Topic topic, const std::string& receiver) {
   switch (topic) {
     case Topic::kSession:
-      return spec<wire::RobotSessionPubSubType>("session");
+      return to<wire::RobotSessionPubSubType>(receiver, "session");
     case Topic::kSubmap:
-      return spec<wire::SubmapPubSubType>("submap");
+      return to<wire::SubmapPubSubType>(receiver, "full_submap", "submap");
     case Topic::kCompactSubmap:
-      return spec<wire::CompactSubmapPubSubType>("compact_submap");
+      return to<wire::CompactSubmapPubSubType>(receiver, "submap");
     case Topic::kLocalization:
-      return spec<wire::LocalizationResultPubSubType>("localization");
+      return to<wire::LocalizationResultPubSubType>(receiver, "localization");
     case Topic::kRobotStatus:
-      return spec<wire::RobotStatusPubSubType>("robot_status");
+      return to<wire::RobotStatusPubSubType>(receiver, "robot_status");
     case Topic::kLocalizerStatus:
-      return spec<wire::LocalizerStatusPubSubType>("localizer_status");
+      return spec<wire::LocalizerStatusPubSubType>(kPrefix + "localizers", "localizers");
   }
   throw std::logic_error("no such topic");
 }
 
-TopicSpec pose_topic_spec() {
-  return spec<wire::PoseEstimatePubSubType>("pose");
+TopicSpec pose_topic_spec(const std::string& robot) {
+  TopicSpec pose = spec<wire::PoseEstimatePubSubType>("fleetloc/pose", "pose");
+  pose.partition = robot;
+  return pose;
+}
+
+TopicSpec versions_topic_spec() {
+  return spec<wire::LocalizerStatusPubSubType>("fleetloc/versions", "robot_status");
 }
 
 }  // namespace fleetloc

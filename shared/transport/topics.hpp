@@ -8,17 +8,30 @@
 
 namespace fleetloc {
 
+/// Of all types and names in idl/. It stands in the names of the topics, so that programs of two
+/// versions never hear each other; see WireVersionWatch.
+inline constexpr int kWireVersion = 1;
+
 /// A topic is a name, a type of idl/ whose samples are given as Bytes, and the name of the QoS
 /// profile that its endpoints share; the profile is defined in qos_profiles/, never in code.
 struct TopicSpec {
   std::string name;
   std::string qos_profile;
   eprosima::fastdds::dds::TypeSupport type;
+  std::string partition = {};  ///< only endpoints of the same one match; empty: none
 };
 
-TopicSpec topic_spec(Topic topic);
+/// `fleetloc/1/<receiver>/submap` and so on; names tell receivers apart, since a discovery server
+/// matches by names only.
+/// @param receiver  as in Channel::send
+TopicSpec topic_spec(Topic topic, const std::string& receiver);
 
-/// `fleetloc/pose`, which no Channel carries: it never leaves the robot's computer.
-TopicSpec pose_topic_spec();
+/// `fleetloc/pose`, in the partition of the robot's id. No Channel carries it: it never leaves the
+/// robot's computer.
+TopicSpec pose_topic_spec(const std::string& robot);
+
+/// `fleetloc/versions`, which every version has and on which nothing is sent: a discovery server
+/// tells only those of each other who share a topic.
+TopicSpec versions_topic_spec();
 
 }  // namespace fleetloc

@@ -4,6 +4,7 @@
 
 #include "shared/transport/emulated_link.hpp"
 #include "shared/transport/traffic_counter.hpp"
+#include "shared/transport/wire_version.hpp"
 #include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/server_restart_detector.hpp"
 
@@ -17,6 +18,7 @@ struct WireLink {
   }
 
   std::optional<EmulatedLink> emulated;
+  WireVersionWatch versions;
   ServerRestartDetector servers;
   PeerAddressFilter addresses;
   TrafficCounter traffic;

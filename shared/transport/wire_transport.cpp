@@ -240,6 +240,7 @@ void Transport::deliver(fdr::TransportReceiverInterface& receiver,
                         const rtps::Locator_t& remote) {
   const Clock::time_point now = Clock::now();
   const auto size = static_cast<std::uint32_t>(datagram.size());
+  link_->versions.observe(datagram);
   link_->servers.observe(datagram, now);
   link_->addresses.heard(sender_of(datagram), address_of(remote), now);
   link_->traffic.received(size);

@@ -161,18 +161,21 @@ struct Sample {
 // As large as they come in the field.
 std::vector<Sample> samples() {
   std::vector<Sample> samples;
-  samples.push_back({"session", topic_spec(Topic::kSession), encode(some_session())});
-  samples.push_back({"submap", topic_spec(Topic::kSubmap), encode(some_submap(10, 80))});
-  samples.push_back({"localization",
-                     topic_spec(Topic::kLocalization),
-                     encode(Answer{some_answer(), some_correction()}, 1200)});
-  samples.push_back({"compact_submap",
-                     topic_spec(Topic::kCompactSubmap),
-                     encode_compact(moving_robot(100, 10), {}, {}, some_stereo())});
-  samples.push_back({"robot_status", topic_spec(Topic::kRobotStatus), encode(some_robot_status())});
+  samples.push_back({"session", topic_spec(Topic::kSession, "cloud_1"), encode(some_session())});
   samples.push_back(
-      {"localizer_status", topic_spec(Topic::kLocalizerStatus), encode(some_localizer_status())});
-  samples.push_back({"pose", pose_topic_spec(), encode(some_pose_estimate())});
+      {"full_submap", topic_spec(Topic::kSubmap, "cloud_1"), encode(some_submap(10, 80))});
+  samples.push_back({"submap",
+                     topic_spec(Topic::kCompactSubmap, "cloud_1"),
+                     encode_compact(moving_robot(100, 3), {}, {}, some_stereo())});
+  samples.push_back({"localization",
+                     topic_spec(Topic::kLocalization, "robot_1"),
+                     encode(Answer{some_answer(), some_correction()}, 1200)});
+  samples.push_back(
+      {"robot_status", topic_spec(Topic::kRobotStatus, "cloud_1"), encode(some_robot_status())});
+  samples.push_back({"localizer_status",
+                     topic_spec(Topic::kLocalizerStatus, ""),
+                     encode(some_localizer_status())});
+  samples.push_back({"pose", pose_topic_spec("robot_1"), encode(some_pose_estimate())});
   return samples;
 }
 

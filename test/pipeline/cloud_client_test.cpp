@@ -51,6 +51,38 @@ TEST_F(CloudClientTest, RepeatsItsSessionUntilItIsAnswered) {
   EXPECT_EQ(after, 0);
 }
 
+TEST_F(CloudClientTest, AnnouncesItsSessionToItsLocalizerAndOnceToThoseThatItMayNeed) {
+  announce(*idle_, "idle", 0.1, 0);
+  announce(*busy_, "busy", 0.9, 0);
+  client_.start_session(some_session(), at(1));
+  std::vector<std::string> told;
+  int announcements = 0;
+  for (int ms = 10; ms <= 3500; ms += 10) {
+    static_cast<void>(client_.take_answers(at(ms)));
+    announcements += count(idle_->receive(at(ms)), Topic::kSession);
+    for (const Message& message : busy_->receive(at(ms))) {
+      ASSERT_EQ(message.topic, Topic::kSession);
+      told.push_back(decode_robot_session(message.payload).value().localizer);
+    }
+  }
+  EXPECT_GE(announcements, 3);
+  EXPECT_EQ(told, std::vector<std::string>{"idle"});
+}
+
+TEST_F(CloudClientTest, TellsTheLocalizerThatItLeavesWhereItGoes) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  static_cast<void>(idle_->receive(at(10)));
+  announce(*idle_, "idle", 0.1, 20, false);
+  announce(*busy_, "busy", 0.9, 20);
+  static_cast<void>(client_.take_answers(at(30)));
+  ASSERT_EQ(client_.statistics().localizer, "busy");
+  const auto last_words = idle_->receive(at(40));
+  ASSERT_EQ(count(last_words, Topic::kSession), 1);
+  EXPECT_EQ(decode_robot_session(last_words.front().payload).value().localizer, "busy");
+}
+
 TEST_F(CloudClientTest, GivesARepeatedAnswerOnce) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));

@@ -191,6 +191,24 @@ TEST_F(LocalizerSelectorTest, DoesNotMoveForALoadThatChangesAllTheTime) {
   EXPECT_EQ(changes_.size(), 1);
 }
 
+TEST_F(LocalizerSelectorTest, GoesToItsFirstStandbyWhichNoLoadChanges) {
+  for (const char* name : {"a", "b", "c", "d"}) localizers_[name] = {};
+  localizers_["full"] = {.accepting = false};
+  localizers_["elsewhere"] = {.map = 2};
+  selector_.require_map({1});
+  play(5.0);
+  const std::string chosen = selector_.name();
+  const auto standbys = selector_.standbys(2, at(now_s_));
+  ASSERT_EQ(standbys.size(), 2);
+  EXPECT_EQ(selector_.standbys(9, at(now_s_)).size(), 3);
+  localizers_[standbys[1]].load = 0.5;
+  play(6.0);
+  EXPECT_EQ(selector_.standbys(2, at(now_s_)), standbys);
+  localizers_[chosen].answers = false;
+  play(11.0);
+  EXPECT_EQ(selector_.name(), standbys[0]);
+}
+
 TEST_F(LocalizerSelectorTest, SpreadsAFleetOverEquallyLoadedLocalizers) {
   std::map<std::string, int> robots;
   for (int i = 0; i < 300; ++i) {

@@ -66,7 +66,7 @@ TEST_F(DdsChannelTest, CountsWhatCannotBeDecodedAndGoesOn) {
       }));
 }
 
-TEST_F(DdsChannelTest, HearsOnlyItsOwnPartition) {
+TEST_F(DdsChannelTest, HearsOnlyWhatIsSentToIt) {
   ASSERT_TRUE(receives(
       cloud_,
       [&] {
@@ -80,7 +80,7 @@ TEST_F(DdsChannelTest, HearsOnlyItsOwnPartition) {
   EXPECT_EQ(robot_.matched_readers(Topic::kSubmap, "cloud_2"), 0);
 }
 
-TEST_F(DdsChannelTest, WritesAgainToAPartitionThatWasReleased) {
+TEST_F(DdsChannelTest, WritesAgainToAReceiverThatWasReleased) {
   for (std::uint32_t number = 1; number < 4; ++number) {
     EXPECT_TRUE(receives(
         cloud_, [&] { send(numbered_submap(number)); }, with_number(number)));
@@ -88,8 +88,21 @@ TEST_F(DdsChannelTest, WritesAgainToAPartitionThatWasReleased) {
   }
 }
 
-TEST_F(DdsChannelTest, RefusesAPartitionThatWouldReachOthers) {
+TEST_F(DdsChannelTest, RefusesAReceiverThatIsNobody) {
   EXPECT_THROW(robot_.send("cloud*", numbered_submap(1), {}), std::invalid_argument);
+  EXPECT_THROW(robot_.send("", session_of("robot_1"), {}), std::invalid_argument);
+  EXPECT_THROW(robot_.prepare("a/b"), std::invalid_argument);
+}
+
+// The first sample after a match arrives: nothing is lost to discovery.
+TEST_F(DdsChannelTest, IsMatchedBeforeTheFirstMessageWithWhomItIsPreparedFor) {
+  robot_.prepare("cloud_1");
+  cloud_.prepare("robot_1");
+  for (const Topic topic : {Topic::kSession, Topic::kSubmap, Topic::kRobotStatus}) {
+    EXPECT_TRUE(matches(robot_, topic, "cloud_1"));
+  }
+  EXPECT_TRUE(matches(cloud_, Topic::kLocalization, "robot_1"));
+  EXPECT_TRUE(matches(cloud_, Topic::kCorrection, "robot_1"));
 }
 
 TEST_F(DdsChannelTest, HearsMoreRobotsThanTheLibrarysDefaultOfTen) {

@@ -49,13 +49,13 @@ struct Ends {
 
  private:
   static Clock::duration transit(DdsChannel& from,
-                                 const std::string& partition,
+                                 const std::string& receiver,
                                  const Message& message,
                                  DdsChannel& to) {
     // A reader may know a writer a little later than the other way round.
     for (;;) {
       const auto start = Clock::now();
-      from.send(partition, message, {});
+      from.send(receiver, message, {});
       if (!to.wait_for_message(std::chrono::seconds(2))) continue;
       static_cast<void>(to.receive({}));
       return Clock::now() - start;
@@ -99,7 +99,7 @@ TEST_P(LinkEmulation, LosesTheShareThatItIsTold) {
 
 TEST_P(LinkEmulation, DeliversASessionInSpiteOfLoss) {
   Ends ends(network_.domain(), {.uplink = kLossy, .downlink = kLossy, .seed = 2}, GetParam());
-  ends.robot.send("", session_of("robot_1"), {});
+  ends.robot.send("cloud_1", session_of("robot_1"), {});
   EXPECT_TRUE(ends.cloud.wait_for_message(kPatience));
 }
 

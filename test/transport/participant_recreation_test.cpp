@@ -1,9 +1,6 @@
 // Participants that lose their network, in a namespace where loopback's address goes and returns.
 #include <algorithm>
 #include <chrono>
-#include <csignal>
-#include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "test/system/child_program.hpp"
 #include "test/system/network_namespace.hpp"
+#include "test/transport/discovery_server.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
 
@@ -24,16 +21,6 @@ namespace {
 using std::chrono::milliseconds;
 using testing::Contains;
 using testing::HasSubstr;
-
-/// Waits until it is so.
-bool comes_true(const std::function<bool()>& condition) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (std::chrono::steady_clock::now() < deadline) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(milliseconds(5));
-  }
-  return false;
-}
 
 class ParticipantRecreation : public testing::Test {
  protected:
@@ -115,7 +102,7 @@ TEST_F(ParticipantRecreation, KeepsWhatWasReceivedAndNotYetTaken) {
 }
 
 TEST_F(ParticipantRecreation, TellsItsSessionAgainToThoseWhoComeLater) {
-  robot_->send("", session_of("robot_1"), {});
+  robot_->send("cloud_2", session_of("robot_1"), {});
   ASSERT_TRUE(submap_arrives(1));
   interrupt();
   const auto inside = computer_->enter();
@@ -127,7 +114,7 @@ TEST_F(ParticipantRecreation, TellsItsSessionAgainToThoseWhoComeLater) {
 TEST_F(ParticipantRecreation, TellsWhatWasSaidWhileThereWasNoNetwork) {
   ASSERT_TRUE(submap_arrives(1));
   take_network_away();
-  robot_->send("", session_of("robot_1"), {});
+  robot_->send("cloud_1", session_of("robot_1"), {});
   give_network_back();
   EXPECT_TRUE(receives(
       *cloud_, [] {}, [](const Message& message) { return message.topic == Topic::kSession; }));
@@ -155,7 +142,7 @@ TEST_F(ParticipantRecreation, EndsCleanlyAtAnyMoment) {
   const auto inside = computer_->enter();
   for (int i = 0; i < 12; ++i) {
     auto ending = channel(ChannelRole::kRobot, "robot_2");
-    ending->send("", session_of("robot_2"), {});
+    ending->send("cloud_1", session_of("robot_2"), {});
     take_network_away();
     give_network_back();
     // The new participant is made a second after the old one at the earliest.
@@ -168,25 +155,18 @@ TEST_F(ParticipantRecreation, EndsCleanlyAtAnyMoment) {
 /// The same by a discovery server.
 class ParticipantRecreationByServer : public ParticipantRecreation {
  protected:
-  static constexpr const char* kServer = "/usr/bin/fast-discovery-server";
-
   ParticipantRecreationByServer() { profile_ = "loopback_client"; }
 
   bool start_discovery() override {
-    if (!std::filesystem::exists(kServer)) {
-      [] { GTEST_SKIP() << "there is no " << kServer; }();
+    if (const auto reason = DiscoveryServer::why_impossible()) {
+      [&] { GTEST_SKIP() << *reason; }();
       return false;
     }
-    start_server();
+    server_.emplace();
     return true;
   }
 
-  void start_server() {
-    const std::vector<std::string> words{"-i", "0", "-l", "127.0.0.1", "-p", "11811"};
-    server_ = std::make_unique<ChildProgram>(kServer, words);
-  }
-
-  std::unique_ptr<ChildProgram> server_;
+  std::optional<DiscoveryServer> server_;
 };
 
 // Those who have met do not notice that it is gone, but those who come after its return are found
@@ -198,9 +178,8 @@ TEST_F(ParticipantRecreationByServer, MeetsThoseWhoComeAfterTheServerWasStartedA
     ASSERT_TRUE(submap_arrives(*channel(ChannelRole::kRobot, "robot_2"), 10 + i)) << i;
   }
   for (std::uint32_t again = 1; again <= 2; ++again) {
-    server_->signal(SIGKILL);
-    server_->wait();
-    start_server();
+    server_->kill();
+    server_.emplace();
     const auto newcomer = channel(ChannelRole::kRobot, "robot_3");
     const auto send = [&] {
       newcomer->send("cloud_1", numbered_submap(20 + again), {});

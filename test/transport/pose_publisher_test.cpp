@@ -19,7 +19,7 @@ TEST(PosePublisher, ReachesALocalReaderOfTheRobotsPartition) {
   // "local" ignores the participants of its own process.
   PosePublisher publisher(network.domain(), "robot_1", "loopback");
   Participant consumer(network.domain(), "loopback");
-  const auto reader = consumer.create_reader(pose_topic_spec(), "robot_1");
+  const auto reader = consumer.create_reader(pose_topic_spec("robot_1"));
   std::mutex mutex;
   std::condition_variable arrived;
   Bytes received;

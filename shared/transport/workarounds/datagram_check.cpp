@@ -29,19 +29,6 @@ bool has_bitmap(Fields& fields) {
   return fields.is_complete();
 }
 
-// Leaves what comes after the list.
-bool has_parameters(Fields& fields) {
-  constexpr std::uint16_t kSentinel = 1;
-  while (fields.is_complete()) {
-    const std::uint16_t id = fields.u16();
-    const std::uint16_t length = fields.u16();
-    if (id == kSentinel) return fields.is_complete();
-    if (length % 4 != 0) return false;
-    fields.skip(length);
-  }
-  return false;
-}
-
 // Discovery's own topics carry parameter lists; the vendor's and liveliness do not.
 bool is_parameter_list(std::uint32_t writer) {
   constexpr std::array<std::uint32_t, 4> kDiscovery{0x0100c2, 0x0003c2, 0x0004c2, 0x0002c2};
@@ -55,7 +42,7 @@ bool is_payload(Bytes payload, std::uint32_t writer) {
   if (payload.size() < 4 || payload[0] != 0) return false;
   if (payload[1] != kBigEndianList && payload[1] != kLittleEndianList) return false;
   Fields list(payload.subspan(4), payload[1] == kLittleEndianList);
-  return has_parameters(list);
+  return skip_parameters(list);
 }
 
 // What comes before inline QoS and payload, behind the fields that are common to DATA and
@@ -83,7 +70,7 @@ std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
 bool is_data(Fields fields, std::uint8_t flags) {
   const auto head = sample_head(fields, 0);
   if (!head) return false;
-  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  if ((flags & kInlineQos) != 0 && !skip_parameters(fields)) return false;
   if ((flags & kHasData) != 0 && (flags & kHasKey) != 0) return false;
   return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer);
 }
@@ -100,7 +87,7 @@ bool is_data_frag(Fields fields, std::uint8_t flags) {
   if (first == 0 || count == 0 || size == 0 || sample > kLargestSample) return false;
   const std::uint32_t fragments = (sample + size - 1) / size;
   if (first > fragments || count > fragments - first + 1) return false;
-  if ((flags & kInlineQos) != 0 && !has_parameters(fields)) return false;
+  if ((flags & kInlineQos) != 0 && !skip_parameters(fields)) return false;
   const std::size_t begin = std::size_t{first - 1} * size;
   const std::size_t end = std::min<std::size_t>(begin + std::size_t{count} * size, sample);
   return fields.rest().size() >= end - begin;

@@ -97,6 +97,19 @@ class RtpsFields {
   bool is_complete_ = true;
 };
 
+/// Leaves what comes after a list of parameters. False if it does not end, or is not one.
+inline bool skip_parameters(RtpsFields& fields) {
+  constexpr std::uint16_t kSentinel = 1;
+  while (fields.is_complete()) {
+    const std::uint16_t id = fields.u16();
+    const std::uint16_t length = fields.u16();
+    if (id == kSentinel) return fields.is_complete();
+    if (length % 4 != 0) return false;
+    fields.skip(length);
+  }
+  return false;
+}
+
 struct RtpsSubmessage {
   RtpsKind kind{};
   std::uint8_t flags = 0;

@@ -47,14 +47,14 @@ TEST(MemoryNetwork, CarriesEveryTopicToThoseWhoHearIt) {
   const auto other_robot = network.join_robot("other_robot");
   const auto cloud = network.join_cloud("cloud");
   const auto other_cloud = network.join_cloud("other_cloud");
-  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSession, 1), kStart);
   robot->send("cloud", message(Topic::kSubmap, 2), kStart);
   robot->send("cloud", message(Topic::kRobotStatus, 3), kStart);
   cloud->send("robot", message(Topic::kLocalization, 4), kStart);
   cloud->send("", message(Topic::kLocalizerStatus, 5), kStart);
   cloud->send("robot", message(Topic::kLocalization, 6), kStart);
   EXPECT_THAT(contents(cloud->receive(kStart)), ElementsAre(1, 2, 3));
-  EXPECT_THAT(contents(other_cloud->receive(kStart)), ElementsAre(1));
+  EXPECT_THAT(other_cloud->receive(kStart), IsEmpty());
   EXPECT_THAT(contents(robot->receive(kStart)), ElementsAre(4, 5, 6));
   EXPECT_THAT(contents(other_robot->receive(kStart)), ElementsAre(5));
   EXPECT_THAT(cloud->receive(kStart + seconds(10)), IsEmpty()) << "each message is returned once";
@@ -125,7 +125,7 @@ TEST(MemoryNetwork, RepeatsASessionUntilItArrivesAndThenNoMore) {
   MemoryNetwork network(uplink({.loss = 0.9, .delay_s = 0.5}, 3));
   const auto robot = network.join_robot("robot");
   const auto cloud = network.join_cloud("cloud");
-  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSession, 1), kStart);
   int arrived = 0;
   for (int second = 0; second < 600; ++second) {
     arrived += static_cast<int>(cloud->receive(kStart + seconds(second)).size());
@@ -136,8 +136,8 @@ TEST(MemoryNetwork, RepeatsASessionUntilItArrivesAndThenNoMore) {
 TEST(MemoryNetwork, RepeatsOnlyTheLastSession) {
   MemoryNetwork network(uplink({.loss = 1.0}));
   const auto robot = network.join_robot("robot");
-  robot->send("", message(Topic::kSession, 1), kStart);
-  robot->send("", message(Topic::kSession, 2), kStart);
+  robot->send("cloud", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSession, 2), kStart);
   const auto cloud = network.join_cloud("cloud");
   EXPECT_THAT(cloud->receive(kStart + seconds(60)), IsEmpty());
   const std::uint64_t one = datagram_sizes(100).front();
@@ -148,13 +148,13 @@ TEST(MemoryNetwork, TellsALateJoinerTheLastSessionOfEveryRobotThatIsThere) {
   MemoryNetwork network(uplink({.delay_s = 0.5}));
   const auto robot = network.join_robot("robot");
   const auto other_robot = network.join_robot("other_robot");
-  robot->send("", message(Topic::kSession, 1), kStart);
-  robot->send("", message(Topic::kSession, 2), kStart);
+  robot->send("cloud", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSession, 2), kStart);
   robot->send("cloud", message(Topic::kSubmap, 3), kStart);
-  other_robot->send("", message(Topic::kSession, 4), kStart);
+  other_robot->send("cloud", message(Topic::kSession, 4), kStart);
   {
     const auto leaving = network.join_robot("leaving_robot");
-    leaving->send("", message(Topic::kSession, 5), kStart);
+    leaving->send("cloud", message(Topic::kSession, 5), kStart);
   }
   EXPECT_THAT(robot->receive(kStart + seconds(7)), IsEmpty());
   const auto cloud = network.join_cloud("cloud");
@@ -198,7 +198,7 @@ TEST(MemoryNetwork, DropsDuplicatesAndCountsTheirBytes) {
   MemoryNetwork network(uplink({.delay_s = 0.1, .duplication = 1.0}));
   const auto robot = network.join_robot("robot");
   const auto cloud = network.join_cloud("cloud");
-  robot->send("", message(Topic::kSession, 1), kStart);
+  robot->send("cloud", message(Topic::kSession, 1), kStart);
   robot->send("cloud", message(Topic::kSubmap, 2), kStart);
   robot->send("cloud", message(Topic::kSubmap, 3, 4000), kStart);
   EXPECT_THAT(contents(cloud->receive(kStart + seconds(60))), ElementsAre(1, 2, 3));
@@ -239,6 +239,26 @@ TEST(MemoryNetwork, DeliversWhatIsOnItsWayFromASenderThatHasLeft) {
   EXPECT_THAT(contents(cloud->receive(kStart + seconds(2))), ElementsAre(1));
 }
 
+TEST(MemoryNetwork, RepeatsToEachReceiverTheLastOneThatWasMeantForIt) {
+  MemoryNetwork network(uplink({.delay_s = 0.5}));
+  const auto robot = network.join_robot("robot");
+  for (const int content : {1, 2}) {
+    const auto session = [&](int more) {
+      return message(Topic::kSession, static_cast<std::uint8_t>(content + more));
+    };
+    robot->send("new", session(0), kStart);
+    robot->send("old", session(2), kStart);
+    robot->send("released", session(4), kStart);
+  }
+  robot->release("released");
+  const auto newer = network.join_cloud("new");
+  const auto older = network.join_cloud("old");
+  const auto released = network.join_cloud("released");
+  EXPECT_THAT(contents(newer->receive(kStart + seconds(9))), ElementsAre(2));
+  EXPECT_THAT(contents(older->receive(kStart + seconds(9))), ElementsAre(4));
+  EXPECT_THAT(released->receive(kStart + seconds(9)), IsEmpty());
+}
+
 TEST(MemoryNetwork, RepeatsBitByBit) {
   const auto run = [] {
     MemoryNetwork network({.uplink = {.loss = 0.3, .delay_s = 0.2, .jitter_s = 0.1},
@@ -246,7 +266,7 @@ TEST(MemoryNetwork, RepeatsBitByBit) {
                            .seed = 11});
     const auto cloud = network.join_cloud("cloud");
     const auto robot = network.join_robot("robot");
-    robot->send("", message(Topic::kSession, 0), kStart);
+    robot->send("cloud", message(Topic::kSession, 0), kStart);
     std::vector<int> heard;
     for (int i = 0; i < 200; ++i) {
       const Timestamp now = kStart + milliseconds(100 * i);

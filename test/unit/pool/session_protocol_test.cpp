@@ -90,6 +90,16 @@ TEST_F(SessionProtocolTest, ARobotThatGoesElsewhereLeavesOnlyIfItWasHere) {
   EXPECT_EQ(protocol_.announced(elsewhere, at(2)), Change::kLeft);
 }
 
+TEST_F(SessionProtocolTest, ExpectsTheRobotsThatItServesAndThoseThatMayCome) {
+  RobotSession elsewhere = session_of("may_come");
+  elsewhere.localizer = "other";
+  protocol_.announced(elsewhere, at(0)).value();
+  protocol_.announced(session_of("is_here"), at(0)).value();
+  EXPECT_EQ(protocol_.take_expected(), (std::vector<RobotId>{"may_come", "is_here"}));
+  EXPECT_TRUE(protocol_.take_expected().empty());
+  EXPECT_EQ(protocol_.sessions(), 1);
+}
+
 TEST_F(SessionProtocolTest, RefusesMoreSessionsThanItMayHave) {
   protocol_.announced(session_of("a"), at(0)).value();
   protocol_.announced(session_of("b"), at(0)).value();
@@ -127,7 +137,6 @@ TEST_F(SessionProtocolTest, ARobotIsIdleOnceItIsSilent) {
   EXPECT_TRUE(protocol_.status(status, at(121)).has_value());
   EXPECT_TRUE(protocol_.idle(at(122)).empty());
   EXPECT_EQ(protocol_.end("a"), at(121));
-  EXPECT_EQ(protocol_.take_departed().size(), 1);
   EXPECT_EQ(protocol_.status(status, at(123)).error(), PoolRefusal::kUnknownSession);
 }
 

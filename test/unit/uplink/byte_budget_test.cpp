@@ -39,8 +39,9 @@ class Sender {
     if (!budget_.allows(500)) return;
     budget_.spend(500);
     if (s > 120.0) sent_ += 500.0;
-    const auto arrival = bottleneck_->arrival(at(s), 500);
-    if (arrival) under_way_.emplace_back(at(s), *arrival);
+    for (const Timestamp arrival : bottleneck_->arrivals(at(s), 500)) {
+      under_way_.emplace_back(at(s), arrival);
+    }
   }
   [[nodiscard]] double bytes() const { return sent_; }
   [[nodiscard]] const ByteBudget& budget() const { return budget_; }

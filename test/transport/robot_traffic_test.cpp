@@ -78,7 +78,7 @@ ExchangeBytes min_bytes(const std::vector<Pair>& pairs) {
   return least;
 }
 
-TEST(PartitionTraffic, OfARobotStaysTheSameWhenALocalizerAndNineRobotsJoin) {
+TEST(RobotTraffic, StaysTheSameWhenALocalizerNineRobotsAndAMonitorJoin) {
   const TestNetwork network;
   const auto join = [&](ChannelRole role, const std::string& name) {
     return std::make_unique<DdsChannel>(on_loopback(network.domain(), role, name));
@@ -105,6 +105,10 @@ TEST(PartitionTraffic, OfARobotStaysTheSameWhenALocalizerAndNineRobotsJoin) {
         {name, is_first ? "cloud_1" : "cloud_2", *robots.back(), is_first ? *cloud_1 : *cloud_2});
     ASSERT_TRUE(pairs.back().is_matched()) << name;
   }
+  Participant monitor(network.domain(), "loopback");
+  const auto localizers = monitor.create_reader(topic_spec(Topic::kLocalizerStatus, ""));
+  ASSERT_TRUE(
+      comes_true([&] { return cloud_1->matched_readers(Topic::kLocalizerStatus, "") == 11; }));
   const ExchangeBytes among_others = min_bytes(pairs);
   EXPECT_EQ(among_others.sent, alone.sent);
   EXPECT_EQ(among_others.received, alone.received);
