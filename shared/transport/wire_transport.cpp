@@ -15,6 +15,7 @@
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
+#include "shared/transport/workarounds/statistics_removal.hpp"
 
 namespace fleetloc {
 
@@ -174,17 +175,18 @@ bool Transport::send(rtps::SenderResource* socket,
                      rtps::LocatorsIterator* begin,
                      rtps::LocatorsIterator* end,
                      const std::chrono::steady_clock::time_point& timeout) {
-  const RtpsBytes datagram(buffer, size);
+  const RtpsBytes datagram = without_statistics({buffer, size});
+  const auto bytes = static_cast<std::uint32_t>(datagram.size());
   const Clock::time_point now = Clock::now();
   rtps::SenderResource* none = nullptr;  // yet; they are called in their order
   if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
   own_.sent(datagram);
   const fdr::LocatorList destinations = useful(*begin, *end, now);
-  if (counts(socket)) link_->traffic.sent(size, destinations.size());
+  if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    for (const Clock::time_point due : link_->emulated->outgoing_at(size, now)) {
+    for (const Clock::time_point due : link_->emulated->outgoing_at(bytes, now)) {
       send_later(socket, datagram, to, due);
     }
   }
