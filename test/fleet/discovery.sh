@@ -3,64 +3,19 @@
 # What discovery costs: so many robots (test/fleet/fleet_robot.cpp, one process each) and one
 # fleetloc-cloud, all on one address of a network of their own, with each of the QoS profiles. Prints a
 # table; needs root for the network namespace, and fast-discovery-server for the profiles -server.
-# BUILD (default build/release) has the programs; SETTLED and REST are seconds, see fleet_robot --help.
+# SETTLED and REST are seconds, see fleet_robot --help.
 set -eu
 
-root=$(cd "$(dirname "$0")/../.." && pwd)
-bin=${BUILD:-$root/build/release}/bin
+. "$(dirname "$0")/one_address.sh"
 settled=${SETTLED:-60}
 rest=${REST:-30}
-address=10.88.0.1
 
-fail() {
-  echo "discovery.sh: $1" >&2
-  exit 1
-}
-
-# Everything happens in a network of its own, in which the profiles' host names are this one.
-if [ -z "${FLEETLOC_DISCOVERY_INSIDE:-}" ]; then
-  [ "$(id -u)" = 0 ] || fail "needs root"
-  [ -x "$bin/fleet_robot" ] || fail "$bin/fleet_robot is not built"
-  FLEETLOC_DISCOVERY_INSIDE=1 exec unshare --net --mount --propagation private "$0" "$@"
-fi
 profiles="lan lan-server"
 if [ "${1:-}" = -k ]; then
   profiles=$2
   shift 2
 fi
 [ $# -gt 0 ] || set -- 2 10 50 100
-
-scratch=$(mktemp -d)
-children=""
-end_all() {
-  trap - EXIT INT TERM HUP
-  # shellcheck disable=SC2086  # words on purpose
-  [ -z "$children" ] || kill $children 2>/dev/null || true
-  wait
-  rm -rf "$scratch"
-}
-trap end_all EXIT
-trap 'end_all; exit 130' INT
-trap 'end_all; exit 143' TERM HUP
-
-ip link set lo up
-ip link add eth0 type veth peer name wire
-ip address add "$address/24" dev eth0
-ip link set wire up
-ip link set eth0 up
-ip route add default dev eth0
-printf '127.0.0.1 localhost\n%s localizer_1 discovery\n' "$address" >"$scratch/hosts"
-mount --bind "$scratch/hosts" /etc/hosts
-
-# A floor and two walls: nobody localizes.
-awk 'BEGIN {
-  print "ply\nformat ascii 1.0\nelement vertex 1200"
-  print "property float x\nproperty float y\nproperty float z\nend_header"
-  for (i = 0; i < 20; ++i) for (j = 0; j < 20; ++j) {
-    print i / 5, j / 5, 0; print i / 5, 0, j / 5; print 0, i / 5, j / 5 }
-}' >"$scratch/room.ply"
-"$bin/fleetloc-map" build --cloud "$scratch/room.ply" --out "$scratch/map.pcd" >"$scratch/map.log" ||
-  fail "no map: $(cat "$scratch/map.log")"
 
 # Seconds of processor time of a process.
 cpu_of() {
@@ -73,17 +28,8 @@ memory_of() {
 measure() {
   qos=$1
   count=$2
-  server=""
-  case $qos in
-    *-server)
-      fast-discovery-server -i 0 -l 0.0.0.0 -p 11811 >/dev/null 2>&1 &
-      server=$!
-      ;;
-  esac
-  "$bin/fleetloc-cloud" --name localizer_1 --map "$scratch/map.pcd" --out "$scratch/cloud" \
-    --qos "$root/qos_profiles/$qos.xml" >"$scratch/cloud.log" 2>&1 &
-  cloud=$!
-  children="$server $cloud"
+  start_server "$qos"
+  start_cloud "$qos" localizer_1
   robots=""
   i=0
   while [ $i -lt "$count" ]; do

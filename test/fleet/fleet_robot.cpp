@@ -1,12 +1,15 @@
 // One robot of a fleet, without cameras: the real client of the cloud on a real participant. It
-// opens a session, tells its localizer of itself, and measures what the network costs.
+// opens a session, tells its localizer of itself, and measures what the network costs and how long
+// a localizer takes to answer.
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
+#include "deploy/config/default_config.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
@@ -19,8 +22,9 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::duration;
 
 struct Options {
-  std::string id, qos;
+  std::string id, qos, link;
   std::uint32_t domain = 0;
+  double submaps_hz = 0.0;
   double start_s = 12.0;
   double settled_s = 60.0;
   double rest_s = 30.0;
@@ -40,6 +44,11 @@ Timestamp steady_now() {
   return Timestamp{Clock::now().time_since_epoch()};
 }
 
+std::optional<LinkConfig> link_in(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  return read_link_config(ConfigReader::from_file(file));
+}
+
 class FleetRobot {
  public:
   FleetRobot(const Options& options, const CloudClient::Config& config)
@@ -48,11 +57,12 @@ class FleetRobot {
                   .participant_profile = "robot",
                   .role = ChannelRole::kRobot,
                   .name = options.id,
-                  .link = {}}),
+                  .link = link_in(options.link)}),
         client_(options.id, channel_, config) {}
 
   /// Prints a line: id, bytes up and down in the first `start_s`, bytes per second up and down at
-  /// rest, and when a localizer was found [s], negative if never.
+  /// rest, and when a localizer was found [s], negative if never. Before it, for each localizer
+  /// that was chosen: "chosen", id, localizer, age [s], and how long it took to answer [s].
   void run(const std::stop_token& stop) {
     client_.start_session(session_of(options_.id), steady_now());
     const ChannelStatistics start = after(options_.start_s, stop);
@@ -77,16 +87,52 @@ class FleetRobot {
     constexpr std::chrono::milliseconds kCycle{50};
     while (age() < age_s && !stop.stop_requested()) {
       channel_.wait_for_message(kCycle);
-      static_cast<void>(client_.take_answers(steady_now()));
+      if (!client_.take_answers(steady_now()).empty()) note_answer();
       static_cast<void>(client_.take_events());
-      if (found_s_ < 0.0 && !client_.statistics().localizer.empty()) found_s_ = age();
+      note_choice();
+      if (options_.submaps_hz > 0.0 && age() * options_.submaps_hz > submaps_) submit();
     }
     return channel_.statistics();
+  }
+
+  // Without anything to localize: its answer says so.
+  void submit() {
+    Submap submap;
+    submap.keyframes.push_back({.id = KeyframeId{++submaps_},
+                                .revision = Revision{1},
+                                .stamp = steady_now(),
+                                .T_odom_body = {},
+                                .tilt_sigma = 0.01,
+                                .observations = {}});
+    client_.submit(std::move(submap), steady_now());
+  }
+
+  void note_choice() {
+    const std::string localizer = client_.statistics().localizer;
+    if (localizer == localizer_) return;
+    localizer_ = localizer;
+    chosen_s_ = age();
+    is_answered_ = false;
+    if (found_s_ < 0.0) found_s_ = age();
+  }
+
+  void note_answer() {
+    if (std::exchange(is_answered_, true)) return;
+    std::printf("chosen %s %s %.2f %.2f\n",
+                options_.id.c_str(),
+                localizer_.c_str(),
+                chosen_s_,
+                age() - chosen_s_);
+    std::fflush(stdout);
   }
 
   Options options_;
   Clock::time_point begin_ = Clock::now();
   double found_s_ = -1.0;
+  std::string localizer_;
+  double chosen_s_ = 0.0;
+  bool is_answered_ = false;
+  std::uint32_t submaps_ = 0;
   DdsChannel channel_;
   CloudClient client_;
 };
@@ -95,12 +141,15 @@ class FleetRobot {
 
 int main(int argc, char** argv) {
   return guarded([&] {
-    Program program("fleet_robot", "One robot of a fleet, without cameras.", "everything");
+    Program program(
+        "fleet_robot", "One robot of a fleet, without cameras.", default_config("everything"));
     Options options;
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--qos", options.qos, "QoS profiles")->required();
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
+    app.add_option("--link", options.link, "YAML: loss, delay and rate to emulate");
+    app.add_option("--submaps", options.submaps_hz, "submaps a second");
     app.add_option("--start", options.start_s, "seconds that count as the start");
     app.add_option("--settled", options.settled_s, "age from which on it is at rest [s]");
     app.add_option("--rest", options.rest_s, "seconds at rest");
