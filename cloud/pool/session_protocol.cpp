@@ -1,6 +1,7 @@
 #include "cloud/pool/session_protocol.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
@@ -20,6 +21,13 @@ bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdo
          a->p_odom == b->p_odom;
 }
 
+// Enough for a robot to choose by; a load changes a little all the time.
+bool has_changed(const LocalizerStatus& before, const LocalizerStatus& now) {
+  constexpr double kLoadStep = 0.1;
+  return before.accepting != now.accepting || before.sessions != now.sessions ||
+         std::abs(before.load - now.load) >= kLoadStep;
+}
+
 // The register may have forgotten a robot that is served here: what it does not know is no reason
 // to refuse.
 expected<void, PoolRefusal> not_superseded(const SessionRegister::Acceptance& accepted) {
@@ -31,7 +39,10 @@ expected<void, PoolRefusal> not_superseded(const SessionRegister::Acceptance& ac
 }  // namespace
 
 SessionProtocol::SessionProtocol(Identity identity, const Config& config)
-    : identity_(std::move(identity)), config_(config), register_(config.sessions) {}
+    : identity_(std::move(identity)),
+      config_(config),
+      register_(config.sessions),
+      status_timer_(config.status) {}
 
 expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::announced(
     const RobotSession& session, Timestamp now) {
@@ -169,9 +180,10 @@ std::vector<OutgoingMessage> SessionProtocol::outgoing(Timestamp now,
   std::vector<OutgoingMessage> messages;
   add_answers(messages, now, report);
   add_session_requests(messages);
-  if (!status_sent_ || to_seconds(now - *status_sent_) >= config_.status_interval_s) {
-    status_sent_ = now;
-    messages.push_back({"", {Topic::kLocalizerStatus, encode(localizer_status(load))}});
+  const LocalizerStatus status = localizer_status(load);
+  if (status_timer_.due(now, has_changed(sent_status_, status))) {
+    sent_status_ = status;
+    messages.push_back({"", {Topic::kLocalizerStatus, encode(status)}});
   }
   return messages;
 }
@@ -235,7 +247,7 @@ SessionProtocol::Config read_session_protocol_config(ConfigReader pool) {
   return {.max_sessions = static_cast<std::size_t>(pool.integer("max_sessions", 1, 100'000)),
           .idle_session_s = pool.positive("idle_session_s"),
           .session_request_interval_s = pool.positive("session_request_interval_s"),
-          .status_interval_s = pool.positive("status_interval_s"),
+          .status = read_status_timer_config(pool.section("status")),
           .answers = read_answer_sender_config(pool.section("answers")),
           .sessions = read_session_register_config(pool.section("sessions"))};
 }

@@ -15,6 +15,7 @@
 #include "shared/model/session.hpp"
 #include "shared/model/submap.hpp"
 #include "shared/protocol/session_register.hpp"
+#include "shared/protocol/status_timer.hpp"
 
 namespace fleetloc {
 
@@ -31,7 +32,7 @@ class SessionProtocol {
     std::size_t max_sessions;
     double idle_session_s;  ///< without a message, then a session may be ended
     double session_request_interval_s;
-    double status_interval_s;
+    StatusTimer::Config status;
     AnswerSender::Config answers;
     SessionRegister::Config sessions;
   };
@@ -74,7 +75,8 @@ class SessionProtocol {
               LocalizationResult answer,
               std::optional<Correction> correction);
 
-  /// New answers, repetitions, requests for sessions, and from time to time the localizer's status.
+  /// New answers, repetitions, requests for sessions, and the localizer's status, when it has
+  /// changed and from time to time.
   /// @param load    of the workers, 0..1
   /// @param report  counts answers that cannot be encoded
   std::vector<OutgoingMessage> outgoing(Timestamp now, double load, PoolReport& report);
@@ -120,7 +122,8 @@ class SessionProtocol {
   std::map<RobotId, Session> sessions_;
   std::map<RobotId, UnknownRobot> unknown_robots_;
   std::vector<RobotId> expected_;
-  std::optional<Timestamp> status_sent_;
+  StatusTimer status_timer_;
+  LocalizerStatus sent_status_;
 };
 
 SessionProtocol::Config read_session_protocol_config(ConfigReader pool);

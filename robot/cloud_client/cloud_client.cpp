@@ -25,11 +25,11 @@ auto identity(const LocalizationResult& answer) {
 CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
     : robot_(std::move(robot)),
       channel_(channel),
-      config_(config),
       selector_(robot_, config.selector),
       connections_(channel, config.connections),
       announcer_(config.announcement),
-      uplink_(robot_, config.uplink) {}
+      uplink_(robot_, config.uplink),
+      status_timer_(config.status) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   announcer_.start(session);
@@ -237,7 +237,7 @@ void CloudClient::keep_connections(Timestamp now) {
 
 // Starts the submap stream of this session to this incarnation of the localizer.
 void CloudClient::start_stream(Timestamp now) {
-  status_sent_.reset();
+  status_timer_.reset();
   if (!announcer_.session()) return;
   answers_ = {};
   receipt_ = {};
@@ -259,8 +259,8 @@ void CloudClient::announce(const RobotSession& session,
 void CloudClient::send_status(Timestamp now) {
   const std::optional<RobotSession>& session = announcer_.session();
   if (!session || localizer_.empty()) return;
-  if (status_sent_ && to_seconds(now - *status_sent_) < config_.status_interval_s) return;
-  status_sent_ = now;
+  if (!status_timer_.due(now, quality_ != sent_quality_)) return;
+  sent_quality_ = quality_;
   const RobotStatus status{.robot = robot_,
                            .session = session->session,
                            .start_stamp = session->start_stamp,
@@ -311,7 +311,7 @@ CloudClient::Config read_cloud_client_config(ConfigReader config) {
                            .max_interval_s = announcement.positive("max_interval_s"),
                            .min_interval_s = announcement.positive("min_interval_s")},
           .uplink = read_submap_uplink_config(config.section("uplink")),
-          .status_interval_s = config.positive("status_interval_s")};
+          .status = read_status_timer_config(config.section("status"))};
 }
 
 }  // namespace fleetloc

@@ -16,6 +16,7 @@
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
+#include "shared/protocol/status_timer.hpp"
 #include "shared/protocol/submap_receiver.hpp"
 
 namespace fleetloc {
@@ -34,7 +35,7 @@ class CloudClient final : public MapLocalizer {
     LocalizerConnections::Config connections;
     SessionAnnouncer::Config announcement;
     SubmapUplink::Config uplink;
-    double status_interval_s;  ///< of RobotStatus
+    StatusTimer::Config status;
   };
   struct Statistics {
     std::uint64_t submaps_sent = 0;
@@ -91,16 +92,16 @@ class CloudClient final : public MapLocalizer {
 
   RobotId robot_;
   Channel& channel_;
-  Config config_;
   LocalizerSelector selector_;
   LocalizerConnections connections_;
   SessionAnnouncer announcer_;
   std::string localizer_;  // to which the robot sends; empty: none
-  std::optional<Timestamp> status_sent_;
   Quality quality_ = Quality::kInitializing;
+  Quality sent_quality_ = Quality::kInitializing;
   std::uint64_t answers_applied_ = 0;
   std::optional<MapHash> answered_map_;  // of the newest answer with a pose
   SubmapUplink uplink_;
+  StatusTimer status_timer_;
   SubmapReceiver answers_;                      // by their numbers
   AnswerReceipt receipt_;                       // what the localizer is told of them
   std::optional<LocalizationResult> newest_;    // of this session

@@ -199,23 +199,26 @@ TEST_F(CloudClientTest, RepeatsAnAnnouncementAsItWasAndTellsTheNextLocalizerWhat
   EXPECT_EQ(told.back(), 2.0);
 }
 
-TEST_F(CloudClientTest, SendsItsStateOnceASecondToItsLocalizerOnly) {
+TEST_F(CloudClientTest, SendsItsStateToItsLocalizerOnlyWhenItHasChangedAndOtherwiseSeldom) {
   announce(*idle_, "idle", 0.1, 0);
   announce(*busy_, "busy", 0.9, 0);
   client_.start_session(some_session(), at(1));
   client_.update(Timestamp{}, Quality::kDeadReckoning);
   int states = 0;
-  for (int ms = 10; ms < 10'000; ms += 10) {
+  Quality last = Quality::kInitializing;
+  for (int ms = 10; ms < 60'000; ms += 10) {
+    if (ms == 35'000) client_.update(Timestamp{}, Quality::kLost);
     static_cast<void>(client_.take_answers(at(ms)));
     EXPECT_EQ(count(busy_->receive(at(ms)), Topic::kRobotStatus), 0);
     for (const Message& message : idle_->receive(at(ms))) {
       if (message.topic != Topic::kRobotStatus) continue;
       ++states;
-      const auto status = decode_robot_status(message.payload).value();
-      EXPECT_EQ(status.quality, Quality::kDeadReckoning);
+      last = decode_robot_status(message.payload).value().quality;
+      EXPECT_EQ(last, ms < 35'000 ? Quality::kDeadReckoning : Quality::kLost);
     }
+    EXPECT_TRUE(ms != 36'000 || last == Quality::kLost);
   }
-  EXPECT_EQ(states, 10);
+  EXPECT_EQ(states, 4 + 3) << "at 0, 10, 20, 30, 35, 45 and 55 s";
 }
 
 TEST_F(CloudClientTest, CountsByNameWhatItDoesNotUse) {

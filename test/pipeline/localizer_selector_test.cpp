@@ -14,8 +14,10 @@ namespace {
 using Change = LocalizerSelector::Change;
 
 LocalizerSelector::Config config() {
-  return read_localizer_selector_config(
+  LocalizerSelector::Config config = read_localizer_selector_config(
       ConfigReader::from_string(default_config("robot")).section("client").section("selector"));
+  config.status_timeout_s = 6.0;  // of localizers that tell their status as often as those here
+  return config;
 }
 
 Timestamp at(double s) {

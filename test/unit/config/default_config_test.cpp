@@ -25,7 +25,7 @@ TEST(DefaultConfig, TakesTheUsersValuesOnTop) {
 TEST(DefaultConfig, OfEverythingHasTheSectionsOfAllPrograms) {
   auto config = ConfigReader::from_string(default_config("everything"));
   EXPECT_GT(config.section("start").positive("yaw_sigma_deg"), 0.0);
-  EXPECT_GT(config.section("pool").positive("status_interval_s"), 0.0);
+  EXPECT_GT(config.section("pool").positive("idle_session_s"), 0.0);
   EXPECT_GT(config.section("replay").positive("back_end_s"), 0.0);
 }
 

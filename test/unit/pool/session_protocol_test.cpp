@@ -42,7 +42,7 @@ class SessionProtocolTest : public testing::Test {
     return {.max_sessions = 2,
             .idle_session_s = 120.0,
             .session_request_interval_s = 1.0,
-            .status_interval_s = 1.0,
+            .status = {.interval_s = 10.0, .min_interval_s = 1.0},
             .answers = {.retransmission = {.max_interval_s = 1.0,
                                            .min_interval_s = 0.2,
                                            .full_rate_loss = 0.3},
@@ -123,6 +123,25 @@ TEST_F(SessionProtocolTest, TakesEachSubmapOfTheSessionOnce) {
   Submap earlier = submap_of(session, 2);
   earlier.incarnation = Incarnation{2};
   EXPECT_EQ(protocol_.submap(header_of(earlier), at(1)).error(), PoolRefusal::kOtherIncarnation);
+}
+
+TEST_F(SessionProtocolTest, TellsItsStatusSoonAfterAChangeAndOtherwiseSeldom) {
+  const auto statuses = [&](double from_s, double to_s, double load) {
+    std::size_t count = 0;
+    for (double s = from_s; s < to_s; s += 0.1) {
+      for (const auto& outgoing : protocol_.outgoing(at(s), load, report_)) {
+        count += outgoing.message.topic == Topic::kLocalizerStatus ? 1 : 0;
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(statuses(0.0, 9.9, 0.0), 1);
+  EXPECT_EQ(statuses(9.9, 20.0, 0.05), 1) << "a load that hardly changes";
+  EXPECT_EQ(statuses(20.0, 20.1, 0.5), 1) << "one that changes much";
+  protocol_.announced(session_of("a"), at(20.1)).value();
+  EXPECT_EQ(statuses(20.1, 20.9, 0.5), 0) << "not so soon";
+  EXPECT_EQ(statuses(20.9, 22.0, 0.5), 1) << "a session more";
+  EXPECT_EQ(statuses(22.0, 31.0, 0.5), 0);
 }
 
 TEST_F(SessionProtocolTest, ARobotIsIdleOnceItIsSilent) {
