@@ -202,13 +202,23 @@ void DdsChannel::wait_and_look(ParticipantRecreationPolicy& policy,
   using Clock = ParticipantRecreationPolicy::Clock;
   const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
   policy.lost(lost, Clock::now());
-  policy.observe(interface_addresses(whitelist), statistics().received_messages, Clock::now());
+  policy.observe({.addresses = interface_addresses(whitelist),
+                  .heard = statistics().received_messages,
+                  .is_expecting = expects_somebody()},
+                 Clock::now());
   if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
   if (wire_->servers.has_restarted()) policy.server_restarted();
   if (policy.wants_lookup(Clock::now())) lookup_.start();
   look_for_other_versions(Clock::now());
   if (config_.role == ChannelRole::kCloud) release_absent(Clock::now());
   for (std::string& event : wire_->versions.take_events()) note(std::move(event));
+}
+
+// A robot always needs a localizer; a localizer may be idle.
+bool DdsChannel::expects_somebody() {
+  if (config_.role == ChannelRole::kRobot) return true;
+  const std::lock_guard lock(sending_);
+  return connection_ && !connection_->present().empty();
 }
 
 void DdsChannel::look_for_other_versions(std::chrono::steady_clock::time_point now) {

@@ -82,6 +82,7 @@ class DdsChannel final : public Channel {
   void wait_and_look(ParticipantRecreationPolicy& policy,
                      const std::vector<std::string>& whitelist,
                      const std::stop_token& stop);
+  bool expects_somebody();
   void look_for_other_versions(std::chrono::steady_clock::time_point now);
   void delete_writers(const std::string& receiver);  // expects `sending_` to be locked
   void release_absent(std::chrono::steady_clock::time_point now);
@@ -102,7 +103,7 @@ class DdsChannel final : public Channel {
   std::set<Destination> destinations_;
   std::map<Destination, Message> last_reliable_;  // for late joiners after a recreation
   ReceiverPresence presence_;
-  std::unique_ptr<DdsConnection> connection_;     // none while it is recreated
+  std::unique_ptr<DdsConnection> connection_;  // none while it is recreated
   std::optional<std::chrono::steady_clock::time_point> alone_since_;
   std::jthread watch_;  // last: it uses all others
 };

@@ -150,20 +150,20 @@ class Transport final : public fdr::ChainingTransport {
 fdr::LocatorList Transport::useful(rtps::LocatorsIterator& begin,
                                    const rtps::LocatorsIterator& end,
                                    Clock::time_point now) {
-  std::vector<rtps::Locator_t> wanted;  // the iterators are valid in this call only
+  fdr::LocatorList useful;
+  std::vector<rtps::Locator_t> routed;  // the iterators are valid in this call only
   std::vector<PeerAddressFilter::Locator> locators;
   for (; begin != end; ++begin) {
     if (!IsLocatorSupported(*begin)) continue;
-    wanted.push_back(*begin);
-    locators.push_back(locator_of(*begin));
-  }
-  fdr::LocatorList useful;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (rtps::IPLocator::isMulticast(wanted[i]) ||
-        (!link_->addresses.is_redundant(locators[i], locators, now) &&
-         routes_.has_route(locators[i].address, now))) {
-      useful.push_back(wanted[i]);
+    if (rtps::IPLocator::isMulticast(*begin)) {
+      useful.push_back(*begin);
+    } else if (routes_.has_route(address_of(*begin), now)) {
+      routed.push_back(*begin);
+      locators.push_back(locator_of(*begin));
     }
+  }
+  for (std::size_t i = 0; i < routed.size(); ++i) {
+    if (!link_->addresses.is_redundant(locators[i], locators, now)) useful.push_back(routed[i]);
   }
   return useful;
 }

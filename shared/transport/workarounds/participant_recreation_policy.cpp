@@ -13,8 +13,8 @@ constexpr milliseconds kSettling{100};
 // Between attempts, while addresses come and go.
 constexpr seconds kMinInterval{1};
 constexpr int kMaxDoublings = 5;
-// Any live participant is heard more often: localizers send their status each second.
-constexpr seconds kSilence{2};
+// Any live participant is heard more often: each sends its status every 10 s.
+constexpr seconds kSilence{15};
 constexpr seconds kSilentLookupInterval{1};
 constexpr seconds kLookupInterval{10};
 
@@ -44,10 +44,12 @@ void ParticipantRecreationPolicy::made(const Basis& basis, Time now) {
   addresses_ = basis.addresses;
   peers_ = basis.peers;
   if (!heard_at_) heard_at_ = now;
-  if (changed_ || peers_changed_) {
+  is_after_change_ = changed_ || peers_changed_;
+  if (is_after_change_) {
     patience_ = std::min(2 * timing_.announcements, timing_.lease);
   } else if (now - *heard_at_ > patience_) {
-    patience_ = std::clamp(2 * patience_, timing_.lease, doubled(timing_.lease, kMaxDoublings));
+    patience_ =
+        std::clamp(2 * patience_, longest_silence(), doubled(longest_silence(), kMaxDoublings));
   }
   changed_ = false;
   peers_changed_ = false;
@@ -61,16 +63,16 @@ void ParticipantRecreationPolicy::failed(Time now) {
   ++failed_attempts_;
 }
 
-void ParticipantRecreationPolicy::observe(const InterfaceAddresses& addresses,
-                                          std::uint64_t heard,
-                                          Time now) {
-  if (addresses != addresses_) changed_at_ = now;
-  addresses_ = addresses;
-  changed_ = changed_ || addresses != basis_.addresses;
-  if (heard == heard_) return;
-  heard_ = heard;
+void ParticipantRecreationPolicy::observe(const Observation& seen, Time now) {
+  if (seen.addresses != addresses_) changed_at_ = now;
+  addresses_ = seen.addresses;
+  changed_ = changed_ || seen.addresses != basis_.addresses;
+  is_expecting_ = seen.is_expecting;
+  if (seen.heard == heard_) return;
+  heard_ = seen.heard;
   heard_at_ = now;
-  patience_ = timing_.lease;
+  patience_ = longest_silence();
+  is_after_change_ = false;
 }
 
 void ParticipantRecreationPolicy::lost(const InterfaceAddresses& addresses, Time now) {
@@ -90,7 +92,7 @@ void ParticipantRecreationPolicy::found(const ResolvedPeers& peers, Time now) {
 }
 
 bool ParticipantRecreationPolicy::wants_lookup(Time now) {
-  const bool is_silent = !heard_at_ || now - *heard_at_ > kSilence;
+  const bool is_silent = heard_ == 0 || now - *heard_at_ > kSilence;
   const auto interval = is_silent ? kSilentLookupInterval : kLookupInterval;
   if (looked_up_at_ && now - *looked_up_at_ < interval) return false;
   looked_up_at_ = now;
@@ -107,7 +109,8 @@ std::optional<std::string> ParticipantRecreationPolicy::due(Time now) const {
   }
   if (peers_changed_) return "peers have moved, they are now " + words(peers_);
   if (server_restarted_) return "the discovery server was started again";
-  if (heard_at_ && now - std::max(*heard_at_, tried_at_) > patience_) {
+  const bool is_waiting = is_expecting_ || is_after_change_;
+  if (heard_at_ && is_waiting && now - std::max(*heard_at_, tried_at_) > patience_) {
     return "nothing has been heard for " +
            std::to_string(std::chrono::duration_cast<seconds>(now - *heard_at_).count()) + " s";
   }

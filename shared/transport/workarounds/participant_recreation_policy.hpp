@@ -17,12 +17,15 @@ namespace fleetloc {
 
 /// Roaming and reconnecting: decides when a participant must be recreated. That is when an address
 /// that it was created on is removed, even if it returns, or a new one appears; when nothing
-/// arrives for longer than its lease, though something has before (then again after twice as long,
-/// and so on); and when its discovery server was restarted, see ServerRestartDetector. After a
-/// recreation it is given at least the time of two announcements: others may learn of it only by
-/// theirs.
+/// arrives for longer than one and a half leases, though somebody should be heard (then again after
+/// twice as long, and so on); and when its discovery server was restarted, see
+/// ServerRestartDetector. After a recreation for a change it is given the time of two
+/// announcements, since others may learn of it only by theirs, and then recreated once more.
 ///
-/// The addresses of named peers are resolved from time to time; a new one makes it due, too.
+/// Whoever is there is heard every ten seconds: robots and localizers tell their status.
+///
+/// The addresses of named peers are resolved from time to time, the more often while nobody is
+/// heard; a new one makes it due, too.
 ///
 /// Without any address nothing is due. No clock, no I/O.
 class ParticipantRecreationPolicy {
@@ -36,7 +39,7 @@ class ParticipantRecreationPolicy {
     Clock::duration announcements;  ///< from one to the next
   };
   explicit ParticipantRecreationPolicy(const Timing& timing)
-      : timing_(timing), patience_(timing.lease) {}
+      : timing_(timing), patience_(longest_silence()) {}
 
   /// What a participant was created with.
   struct Basis {
@@ -47,9 +50,13 @@ class ParticipantRecreationPolicy {
   /// It could not be created.
   void failed(Time now);
 
+  struct Observation {
+    InterfaceAddresses addresses;
+    std::uint64_t heard = 0;   ///< messages received so far
+    bool is_expecting = true;  ///< silence means that something is wrong: somebody should be there
+  };
   /// To be called regularly, and at each change.
-  /// @param heard  messages received so far
-  void observe(const InterfaceAddresses& addresses, std::uint64_t heard, Time now);
+  void observe(const Observation& seen, Time now);
   /// These addresses were removed, perhaps for less than the interval of observe().
   void lost(const InterfaceAddresses& addresses, Time now);
 
@@ -74,8 +81,13 @@ class ParticipantRecreationPolicy {
   }
 
  private:
+  // Longer than whoever crashed is still taken to be there.
+  [[nodiscard]] Clock::duration longest_silence() const { return 3 * timing_.lease / 2; }
+
   Timing timing_;
   Clock::duration patience_;  // until it is recreated without messages
+  bool is_expecting_ = true;
+  bool is_after_change_ = false;  // it was recreated for one, and nobody has been heard since
   Basis basis_;
   InterfaceAddresses addresses_;  // as last seen
   ResolvedPeers peers_;           // as last found

@@ -7,8 +7,8 @@ namespace {
 
 using std::chrono::seconds;
 
-// A live participant is heard more often: localizers send their status each second.
-constexpr seconds kFresh{5};
+// A live participant is heard more often: each sends its status every 10 s.
+constexpr seconds kFresh{15};
 // Silent for longer, a participant is taken to be gone; one that returns announces itself again.
 constexpr seconds kGone{60};
 constexpr std::size_t kMaxParticipants = 4096;

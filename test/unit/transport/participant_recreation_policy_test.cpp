@@ -24,7 +24,7 @@ class ParticipantRecreationPolicyTest : public testing::Test {
     int recreations = 0;
     for (const auto end = now_ + duration; now_ < end; now_ += milliseconds(50)) {
       if (hears_) ++heard_;
-      policy_.observe(addresses, heard_, now_);
+      policy_.observe({.addresses = addresses, .heard = heard_, .is_expecting = expects_}, now_);
       const auto due = policy_.due(now_);
       if (!due) continue;
       reason_ = *due;
@@ -42,6 +42,7 @@ class ParticipantRecreationPolicyTest : public testing::Test {
   ParticipantRecreationPolicy::Time now_{seconds(1000)};
   std::uint64_t heard_ = 0;
   bool hears_ = false;
+  bool expects_ = true;
   bool fails_ = false;
   std::string reason_;
 };
@@ -52,9 +53,24 @@ TEST_F(ParticipantRecreationPolicyTest, KeepsAParticipantWhoseNetworkStays) {
 }
 
 TEST_F(ParticipantRecreationPolicyTest, MakesOneNowAndThenWhereNobodyHasEverBeenHeard) {
-  EXPECT_EQ(watch(seconds(19), kHome), 0);
+  EXPECT_EQ(watch(seconds(29), kHome), 0);
   EXPECT_EQ(watch(seconds(2), kHome), 1);
   EXPECT_LT(watch(std::chrono::hours(1), kHome), 12);
+}
+
+TEST_F(ParticipantRecreationPolicyTest, KeepsAnIdleParticipantThatExpectsNobody) {
+  expects_ = false;
+  EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
+  hears_ = true;
+  expects_ = true;
+  watch(seconds(5), kHome);
+  hears_ = false;
+  watch(seconds(25), kHome);
+  expects_ = false;  // who spoke has left, or his lease is over
+  EXPECT_EQ(watch(std::chrono::hours(1), kHome), 0);
+  EXPECT_EQ(watch(milliseconds(200), kAway), 1);
+  EXPECT_EQ(watch(seconds(10), kAway), 1) << "a change asks for one more try";
+  EXPECT_EQ(watch(std::chrono::hours(1), kAway), 0);
 }
 
 TEST_F(ParticipantRecreationPolicyTest, MakesOneSoonAfterAnotherAddressAndOnlyOne) {
@@ -73,7 +89,7 @@ TEST_F(ParticipantRecreationPolicyTest,
   EXPECT_EQ(watch(milliseconds(200), kAway), 1);
   EXPECT_EQ(watch(milliseconds(5700), kAway), 0);
   EXPECT_EQ(watch(milliseconds(500), kAway), 1);
-  EXPECT_EQ(watch(seconds(19), kAway), 0);
+  EXPECT_EQ(watch(seconds(29), kAway), 0);
   EXPECT_EQ(watch(seconds(2), kAway), 1);
 }
 
@@ -156,10 +172,12 @@ TEST_F(ParticipantRecreationPolicyTest, LooksPeersUpMoreOftenWhileNothingIsHeard
     }
     return due;
   };
+  EXPECT_GE(lookups(20 * 10), 9) << "at the start";
   hears_ = true;
   EXPECT_LE(lookups(20 * 60), 7);
   hears_ = false;
-  EXPECT_GE(lookups(20 * 60), 55);
+  EXPECT_LE(lookups(20 * 10), 2) << "no longer than between two statuses";
+  EXPECT_GE(lookups(20 * 60), 50);
 }
 
 TEST_F(ParticipantRecreationPolicyTest, MakesOneAfterItsDiscoveryServerWasStartedAgain) {
@@ -170,14 +188,14 @@ TEST_F(ParticipantRecreationPolicyTest, MakesOneAfterItsDiscoveryServerWasStarte
   EXPECT_THAT(reason_, HasSubstr("discovery server"));
 }
 
-TEST_F(ParticipantRecreationPolicyTest, MakesOneAfterALeaseOfSilenceAndThenMoreAndMoreSeldom) {
+TEST_F(ParticipantRecreationPolicyTest, MakesOneAfterLongSilenceAndThenMoreAndMoreSeldom) {
   hears_ = true;
   watch(seconds(5), kHome);
   hears_ = false;
-  EXPECT_EQ(watch(seconds(19), kHome), 0);
+  EXPECT_EQ(watch(seconds(29), kHome), 0);
   EXPECT_EQ(watch(seconds(2), kHome), 1);
-  EXPECT_THAT(reason_, HasSubstr("nothing has been heard for 20 s"));
-  EXPECT_EQ(watch(seconds(39), kHome), 0);
+  EXPECT_THAT(reason_, HasSubstr("nothing has been heard for 30 s"));
+  EXPECT_EQ(watch(seconds(59), kHome), 0);
   EXPECT_EQ(watch(seconds(2), kHome), 1);
   const int more = watch(std::chrono::hours(1), kHome);
   EXPECT_GT(more, 3);
@@ -185,7 +203,7 @@ TEST_F(ParticipantRecreationPolicyTest, MakesOneAfterALeaseOfSilenceAndThenMoreA
   hears_ = true;
   watch(seconds(1), kHome);
   hears_ = false;
-  EXPECT_EQ(watch(seconds(22), kHome), 1);
+  EXPECT_EQ(watch(seconds(32), kHome), 1);
 }
 
 }  // namespace
