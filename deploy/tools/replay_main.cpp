@@ -54,27 +54,36 @@ ReplayConfig read_config(const ConfigReader& config) {
                         .localization_s = durations.positive("localization_s")}};
 }
 
-/// The configuration of the program, with the options of the command line.
-ConfigReader effective(const Program& program, std::optional<int> window) {
-  ConfigReader config = program.config();
-  if (window) {
-    config.overlay(ConfigReader::from_string("localizer: {window: " + std::to_string(*window) + "}",
-                                             "--window"));
-  }
-  return config;
-}
-
 /// What the command line says that is not an option of the replay as it stands.
 struct Arguments {
   LinkArguments link;
   std::string map;
   std::optional<std::string> initial_pose;
   std::string faults;
-  std::string encoding = "full";
+  std::string encoding;
   std::string baseline;
   std::optional<double> duration_s;
   std::optional<int> window;
 };
+
+/// The configuration of the program, with the options of the command line. The robot remembers as
+/// many keyframes as the cloud's window has, up to its own limit.
+ConfigReader effective(const Program& program, const Arguments& arguments) {
+  constexpr int kMaxRemembered = 64;
+  ConfigReader config = program.config();
+  if (arguments.window) {
+    const int remembered = std::min(*arguments.window, kMaxRemembered);
+    config.overlay(ConfigReader::from_string(
+        "localizer: {window: " + std::to_string(*arguments.window) + "}\n" +
+            "client: {uplink: {keyframes: " + std::to_string(remembered) + "}}",
+        "--window"));
+  }
+  if (!arguments.encoding.empty()) {
+    config.overlay(ConfigReader::from_string(
+        "client: {uplink: {encoding: " + arguments.encoding + "}}", "--encoding"));
+  }
+  return config;
+}
 
 void add_link_options(CLI::App& app, LinkArguments& link) {
   auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
@@ -100,8 +109,8 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
       ->check(CLI::PositiveNumber);
   app.add_option("--window", arguments.window, "keyframes in the cloud's window")
       ->check(CLI::Range(2, 1000));
-  app.add_option("--encoding", arguments.encoding, "encoding of the submaps")
-      ->check(CLI::IsMember({"full"}));
+  app.add_option("--encoding", arguments.encoding, "of the submaps; compact if nothing is said")
+      ->check(CLI::IsMember({"compact", "full"}));
   app.add_flag("--align-once",
                options.align_once,
                "a control: fuse the first answer and dead-reckon after it");
@@ -141,7 +150,7 @@ int main(int argc, char** argv) {
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
       complete(options, arguments);
-      const ConfigReader config = effective(program, arguments.window);
+      const ConfigReader config = effective(program, arguments);
       options.config = program.command_line() + config.text();
       return [replay = prepared_replay(options, read_config(config)), termination] {
         replay(termination->token());

@@ -33,7 +33,7 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
 
 void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   announcer_.start(session);
-  announcer_.set_encoding(config_.uplink.encoding);
+  announcer_.set_encoding(uplink_.encoding());
   uplink_.start_session(session.stereo);
   session_started_ = now;
   newest_.reset();

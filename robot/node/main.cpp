@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
     std::string initial_pose;
     std::string link;
     double duration = 0.0;
-    std::string encoding = "full";
+    std::string encoding;
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
@@ -52,8 +52,8 @@ int main(int argc, char** argv) {
         app.add_option("--initial-pose",
                        initial_pose,
                        "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-    app.add_option("--encoding", encoding, "encoding of the submaps")
-        ->check(CLI::IsMember({"full"}));
+    app.add_option("--encoding", encoding, "of the submaps; compact if nothing is said")
+        ->check(CLI::IsMember({"compact", "full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
@@ -64,7 +64,11 @@ int main(int argc, char** argv) {
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       if (!link.empty()) options.link = read_link_file(link);
-      const ConfigReader config = program.config();
+      ConfigReader config = program.config();
+      if (!encoding.empty()) {
+        config.overlay(ConfigReader::from_string("client: {uplink: {encoding: " + encoding + "}}",
+                                                 "--encoding"));
+      }
       options.config = program.command_line() + config.text();
       auto node = std::make_shared<RobotNode>(options, read_config(config));
       return [node, termination] {

@@ -61,6 +61,7 @@ class SubmapUplink {
 
   void acknowledge(const LocalizationResult& answer, Timestamp now);
 
+  [[nodiscard]] SubmapEncoding encoding() const { return config_.encoding; }
   [[nodiscard]] const SubmapSender& sender() const { return sender_; }
   [[nodiscard]] const ByteBudget& budget() const { return budget_; }
 

@@ -30,8 +30,8 @@ void check(Topic topic, const std::string& receiver) {
 
 /// What an end sends to each of its receivers.
 std::vector<Topic> topics_from(ChannelRole role) {
-  if (role == ChannelRole::kCloud) return {Topic::kLocalization, Topic::kCorrection};
-  return {Topic::kSession, Topic::kSubmap, Topic::kRobotStatus};
+  if (role == ChannelRole::kCloud) return {Topic::kLocalization};
+  return {Topic::kSession, Topic::kCompactSubmap, Topic::kRobotStatus};
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include "shared/compact/answer_sample.hpp"
+#include "shared/compact/submap_sample.hpp"
 #include "shared/transport/topics.hpp"
 #include "shared/transport/wire_transport.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"

@@ -98,11 +98,10 @@ TEST_F(DdsChannelTest, RefusesAReceiverThatIsNobody) {
 TEST_F(DdsChannelTest, IsMatchedBeforeTheFirstMessageWithWhomItIsPreparedFor) {
   robot_.prepare("cloud_1");
   cloud_.prepare("robot_1");
-  for (const Topic topic : {Topic::kSession, Topic::kSubmap, Topic::kRobotStatus}) {
+  for (const Topic topic : {Topic::kSession, Topic::kCompactSubmap, Topic::kRobotStatus}) {
     EXPECT_TRUE(matches(robot_, topic, "cloud_1"));
   }
   EXPECT_TRUE(matches(cloud_, Topic::kLocalization, "robot_1"));
-  EXPECT_TRUE(matches(cloud_, Topic::kCorrection, "robot_1"));
 }
 
 TEST_F(DdsChannelTest, HearsMoreRobotsThanTheLibrarysDefaultOfTen) {

@@ -7,6 +7,7 @@
 
 #include <fastcdr/Cdr.h>
 #include <gtest/gtest.h>
+#include <idl/compact_submapPubSubTypes.h>
 #include <idl/posePubSubTypes.h>
 #include <idl/statusPubSubTypes.h>
 
