@@ -69,6 +69,17 @@ int print_start_pose(const Trajectory& truth, const Options& options) {
   return kSuccess;
 }
 
+void print_state(const nlohmann::json& evaluation) {
+  std::cout << "covered  " << evaluation.at("covered") << "  coverage  "
+            << evaluation.at("coverage") << '\n';
+  const auto& confidence = evaluation.at("confidence");
+  if (confidence.is_null()) return;
+  std::cout << "localized frames  " << confidence.at("localized_frames") << "  wrong "
+            << confidence.at("wrong") << "  confidently " << confidence.at("confidently_wrong")
+            << "  worst " << confidence.at("worst_m") << " m, " << confidence.at("worst_deg")
+            << " deg\n";
+}
+
 void print_run(const nlohmann::json& evaluation) {
   for (const char* key : {"ate", "rotation_deg", "odometry_ate", "odometry_rotation_deg"}) {
     if (!evaluation.at(key).is_null()) print_row(key, evaluation.at(key));
@@ -83,9 +94,9 @@ void print_run(const nlohmann::json& evaluation) {
               << relative.at("rotation_rmse_deg") << " deg over " << relative.at("pairs")
               << " pairs\n";
   }
-  std::cout << "coverage  " << evaluation.at("coverage") << "\nnees  map "
-            << evaluation.at("nees").at("map") << "  odom " << evaluation.at("nees").at("odom")
-            << '\n';
+  print_state(evaluation);
+  std::cout << "nees  map " << evaluation.at("nees").at("map") << "  odom "
+            << evaluation.at("nees").at("odom") << '\n';
 }
 
 /// The evaluation of one run, or of several by their folders.

@@ -246,13 +246,13 @@ class Soak {
     const auto& confidence = errors.at("confidence");
     const std::string state = frames_of(run).back().state;
     std::printf(
-        "%s: exit code %d, %s at the end, ATE median %.3f m, coverage %.3f, worst %.3f m "
+        "%s: exit code %d, %s at the end, ATE median %.3f m, covered %.3f, worst %.3f m "
         "while localized, %d frames confidently wrong\n%s",
         robot.id.c_str(),
         exit_code,
         state.c_str(),
         errors.at("ate").at("median").get<double>(),
-        errors.at("coverage").get<double>(),
+        errors.at("covered").get<double>(),
         confidence.at("worst_m").get<double>(),
         confidence.at("confidently_wrong").get<int>(),
         damage.c_str());

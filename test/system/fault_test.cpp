@@ -187,7 +187,7 @@ TEST_P(Faults, AreSurvivedCountedAndNeverMakeAPoseConfidentlyWrong) {
   EXPECT_THAT(frames.back().error_m, Le(0.1));
   const auto errors = run_errors(folder, flight_);
   std::cout << std::left << std::setw(18) << fault().name << " resets " << summary.at("resets")
-            << ", coverage " << summary.at("coverage").get<double>() << ", ATE median "
+            << ", covered " << errors.at("covered").get<double>() << ", ATE median "
             << errors.at("ate").at("median").get<double>() << " m, worst while localized " << worst
             << " m\n";
   EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(place().median_m));

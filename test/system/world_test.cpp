@@ -62,7 +62,7 @@ TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
     EXPECT_LT(errors["ate"]["median"], 0.15);
     EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1);
     // Of 40 s, some of them without an answer: a robot that stands sees too little to be sure.
-    EXPECT_GT(errors["coverage"], 0.7);
+    EXPECT_GT(errors["covered"], 0.7);
   }
 }
 

@@ -80,7 +80,9 @@ RunCovariances read_covariances(const std::filesystem::path& path) {
   const Columns map = columns_of(file, "cm");
   const Columns odom = columns_of(file, "co");
   for_each_line(file, [&](Timestamp stamp) {
-    if (file.text(state_column) == "localized") covariances.localized.push_back(stamp);
+    const std::string_view state = file.text(state_column);
+    if (!covariances.frames.empty() || state != "initializing") covariances.frames.push_back(stamp);
+    if (state == "localized") covariances.localized.push_back(stamp);
     if (const auto C = covariance(file, map)) covariances.map.push_back({stamp, *C});
     if (const auto C = covariance(file, odom)) covariances.odom.push_back({stamp, *C});
   });

@@ -20,7 +20,8 @@ struct StampedCovariance {
 struct RunCovariances {
   std::vector<StampedCovariance> map;   ///< of T_map_body
   std::vector<StampedCovariance> odom;  ///< of T_odom_body
-  std::vector<Timestamp> localized;     ///< frames whose state is `localized`
+  std::vector<Timestamp> frames;        ///< all from the first pose in odom on
+  std::vector<Timestamp> localized;     ///< those whose state is `localized`
 };
 
 /// Reads the columns `stamp_s`, `state`, `cm11..cm66` and `co11..co66` of diagnostics.csv, wherever

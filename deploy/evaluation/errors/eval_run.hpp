@@ -38,7 +38,9 @@ nlohmann::json evaluate(const Trajectory& truth,
 /// - `confidence`: see eval_confidence.hpp
 /// - `odometry_relative`: of the same, over relative_interval, no alignment: `pairs`,
 ///   `translation_rmse_m`, `rotation_rmse_deg`
-/// - `coverage`: of summary.json
+/// - `covered`: share of the frames after the first pose that are localized and truly within 0.25 m
+///   and 2 degrees, see eval_confidence.hpp
+/// - `coverage`: of summary.json, which knows no ground truth
 /// - `nees` {map, odom}: means over the frames of diagnostics.csv, per degree of freedom; for odom
 ///   position and heading are aligned at its first pose
 ///

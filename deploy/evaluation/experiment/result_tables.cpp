@@ -65,7 +65,7 @@ std::string error_table(const Plan& plan, const std::vector<Group>& groups) {
     for (const char* pointer : {"/odometry_ate/median", "/odometry_ate/rmse", "/nees/map"}) {
       row.push_back(value(pointer));
     }
-    row.push_back(cell(mean_of(group, &Result::summary, "/coverage"), 100.0));
+    row.push_back(cell(mean_of(group, evaluation, "/covered"), 100.0));
     rows.push_back(row);
   }
   return rows.empty() ? ""
@@ -81,7 +81,7 @@ std::string error_table(const Plan& plan, const std::vector<Group>& groups) {
                                          "odometry median [m]",
                                          "odometry rmse [m]",
                                          "nees",
-                                         "coverage [%]"}),
+                                         "covered [%]"}),
                               rows);
 }
 

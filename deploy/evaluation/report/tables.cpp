@@ -115,7 +115,7 @@ std::string summary_table(const std::vector<SummaryRow>& runs) {
     rows.push_back(
         {"<a href=\"#" + run.anchor + "\">" + escaped(run.name) + "</a>",
          cell(at(summary, "/duration_s")),
-         cell(percent(at(summary, "/coverage")), 3),
+         cell(percent(at(evaluation, "/covered")), 3),
          cell(at(evaluation, "/ate/median"), 3),
          cell(at(evaluation, "/ate/rmse"), 3),
          cell(at(evaluation, "/ate/max"), 3),
@@ -132,7 +132,7 @@ std::string summary_table(const std::vector<SummaryRow>& runs) {
   }
   return table({"run",
                 "data [s]",
-                "coverage [%]",
+                "covered [%]",
                 "error median [m]",
                 "rmse [m]",
                 "max [m]",

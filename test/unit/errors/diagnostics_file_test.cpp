@@ -28,9 +28,10 @@ TEST_F(DiagnosticsFile, IsReadAsItWasWritten) {
     later.loss = 0.125;
     later.round_trip = lasting(0.25);
     run.add_frame(later);
+    run.add_frame(frame(2.0, Quality::kInitializing));
   }
   const auto frames = read_frame_diagnostics(folder_ / "diagnostics.csv");
-  ASSERT_THAT(frames, SizeIs(2));
+  ASSERT_THAT(frames, SizeIs(3));
   EXPECT_EQ(frames[0].state, "initializing");
   EXPECT_EQ(frames[0].round_trip_s, std::nullopt);
   EXPECT_EQ(frames[1].stamp, at(1.5));
@@ -46,6 +47,7 @@ TEST_F(DiagnosticsFile, IsReadAsItWasWritten) {
   EXPECT_EQ(covariances.map[0].covariance, covariance);
   ASSERT_THAT(covariances.odom, SizeIs(1));
   EXPECT_EQ(covariances.odom[0].covariance, 2.0 * covariance);
+  EXPECT_EQ(covariances.frames, (std::vector<Timestamp>{at(1.5), at(2.0)}));
   EXPECT_EQ(covariances.localized, std::vector<Timestamp>{at(1.5)});
 }
 

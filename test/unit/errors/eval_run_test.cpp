@@ -14,6 +14,7 @@
 #include "deploy/config/default_config.hpp"
 #include "deploy/evaluation/errors/diagnostics_file.hpp"
 #include "shared/config/delimited_file.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
 #include "test/test_folder.hpp"
@@ -42,7 +43,7 @@ Trajectory truth() {
 }
 
 Vector6d sigmas() {
-  return (Vector6d() << 0.01, 0.02, 0.005, 0.03, 0.02, 0.04).finished();
+  return (Vector6d() << 0.003, 0.006, 0.002, 0.03, 0.02, 0.04).finished();
 }
 
 std::string triangle(const Matrix6d& matrix) {
@@ -103,15 +104,18 @@ class EvaluateRun : public ::testing::Test {
     return error;
   }
 
-  void displace_localization(const std::set<int>& frames, double metres) const {
+  void displace_localization(const std::set<int>& frames,
+                             double metres,
+                             double degrees = 0.0) const {
     const auto file = folder_ / "localization_frames.tum";
     const Trajectory poses = read_trajectory(file);
     std::ofstream stream(file);
     for (const StampedPose& pose : poses) {
       const bool is_displaced =
           std::ranges::any_of(frames, [&pose](int frame) { return at(frame) == pose.stamp; });
-      const Eigen::Vector3d shift = (is_displaced ? metres : 0.0) * Eigen::Vector3d::UnitX();
-      write_tum_line(stream, pose.stamp, {.R = pose.T_ref_body.R, .p = pose.T_ref_body.p + shift});
+      Vector6d displacement = Vector6d::Zero();
+      if (is_displaced) displacement << degrees * kRadPerDeg, 0.0, 0.0, metres, 0.0, 0.0;
+      write_tum_line(stream, pose.stamp, retract(pose.T_ref_body, displacement));
     }
   }
 
@@ -191,16 +195,45 @@ TEST_F(EvaluateRun, ComparesWithTheControlThatIsAlignedOnce) {
   EXPECT_NEAR(after["ate"]["median"].get<double>(), before["ate"]["median"].get<double>(), 1e-3);
 }
 
+TEST_F(EvaluateRun, CoversFramesThatAreLocalizedAndTrulyWithinTheLimits) {
+  const auto covered_frames = [this] {
+    return kFrames * evaluate_run(folder_, truth(), config())["covered"].get<double>();
+  };
+  EXPECT_DOUBLE_EQ(covered_frames(), kFrames - 100);
+  displace_localization({200}, 0.1, 1.0);
+  EXPECT_DOUBLE_EQ(covered_frames(), kFrames - 100);
+  displace_localization({201, 202}, 0.5);
+  EXPECT_DOUBLE_EQ(covered_frames(), kFrames - 102);
+  displace_localization({203}, 0.0, 10.0);
+  EXPECT_DOUBLE_EQ(covered_frames(), kFrames - 103);
+  replace_in_diagnostics(204, ",localized,", ",dead_reckoning,");
+  EXPECT_DOUBLE_EQ(covered_frames(), kFrames - 104);
+}
+
+TEST_F(EvaluateRun, CountsEachFrameFromTheFirstPoseOnThatHasGroundTruthForWhatIsCovered) {
+  for (int i = 0; i < 50; ++i) replace_in_diagnostics(i, ",localized,", ",initializing,");
+  replace_in_diagnostics(60, ",localized,", ",initializing,");
+  EXPECT_DOUBLE_EQ(evaluate_run(folder_, truth(), config())["covered"].get<double>(),
+                   (kFrames - 100.0) / (kFrames - 50));
+  Trajectory start = truth();
+  start.resize(1000);
+  EXPECT_DOUBLE_EQ(evaluate_run(folder_, start, config())["covered"].get<double>(), 900.0 / 950);
+}
+
 TEST_F(EvaluateRun, CountsFramesThatAreWrongAndSureOfIt) {
   const auto before = evaluate_run(folder_, truth(), config())["confidence"];
   EXPECT_EQ(before["localized_frames"], kFrames - 100);
   EXPECT_LT(before["worst_m"].get<double>(), 6.0 * sigmas().tail<3>().norm());
+  EXPECT_EQ(before["wrong"], 0);
   EXPECT_EQ(before["confidently_wrong"], 0);
 
   displace_localization({200, 201}, 2.0);
+  displace_localization({202}, 0.0, 30.0);
   const auto after = evaluate_run(folder_, truth(), config())["confidence"];
   EXPECT_NEAR(after["worst_m"].get<double>(), 2.0, 0.3);
-  EXPECT_EQ(after["confidently_wrong"], 2);
+  EXPECT_NEAR(after["worst_deg"].get<double>(), 30.0, 5.0);
+  EXPECT_EQ(after["wrong"], 3);
+  EXPECT_EQ(after["confidently_wrong"], 3);
 }
 
 TEST_F(EvaluateRun, DoesNotCallAnErrorConfidentThatTheCovarianceStates) {
@@ -211,6 +244,7 @@ TEST_F(EvaluateRun, DoesNotCallAnErrorConfidentThatTheCovarianceStates) {
       200, triangle(sigmas().cwiseAbs2().asDiagonal()), triangle(Matrix6d::Identity()));
   replace_in_diagnostics(201, ",localized,", ",dead_reckoning,");
   const auto rest = evaluate_run(folder_, truth(), config())["confidence"];
+  EXPECT_EQ(rest["wrong"], 1);
   EXPECT_EQ(rest["confidently_wrong"], 0);
   EXPECT_EQ(rest["localized_frames"], kFrames - 101);
 }
@@ -222,6 +256,7 @@ TEST_F(EvaluateRun, HasNoMapErrorsForARunThatWasNeverLocalized) {
   EXPECT_TRUE(evaluation["ate"].is_null());
   EXPECT_TRUE(evaluation["aligned_once"].is_null());
   EXPECT_TRUE(evaluation["coverage"].is_null());
+  EXPECT_EQ(evaluation["covered"], 0.0);
   EXPECT_TRUE(evaluation["nees"]["map"].is_null());
   EXPECT_FALSE(evaluation["odometry_ate"].is_null());
 }

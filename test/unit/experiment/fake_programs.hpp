@@ -20,7 +20,8 @@ inline Programs fake_programs(const std::string& replay_ends = "exit 0") {
   }
   write("bin/fleetloc-eval",
         log + "[ $3 = --pose-at-ns ] && echo 1 2 3 0 0 0 1 && exit\n" + find_out +
-            "echo '{\"ate\": {\"median\": 0.25, \"max\": 1}}' > $out/evaluation.json\n");
+            "echo '{\"ate\": {\"median\": 0.25, \"max\": 1}, \"covered\": 0.75}' > "
+            "$out/evaluation.json\n");
   write("bin/fleetloc-replay",
         log + find_out + "echo '{\"coverage\": 0.5, \"resets\": null}' > $out/summary.json\n" +
             "echo '{\"robot\": {\"optimize_ms\": {\"p50\": 7}}}' > $out/sessions.json\n" +

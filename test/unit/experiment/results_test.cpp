@@ -66,6 +66,7 @@ TEST_F(Results, HaveARowForEachRunThatEnded) {
   EXPECT_EQ(first("loss_up"), "0.5");
   EXPECT_EQ(first("latency_down_s"), "2");
   EXPECT_EQ(first("ate_median_m"), "0.25");
+  EXPECT_EQ(first("covered"), "0.75");
   EXPECT_EQ(first("coverage"), "0.5");
   EXPECT_EQ(first("optimize_p50_ms"), "7");
   EXPECT_EQ(first("exit_status"), "0");

@@ -81,6 +81,7 @@ class ReportPage : public testing::Test {
             .evaluation = {{"ate", statistics},
                            {"aligned_once",
                             {{"ate", statistics}, {"ratio", {{"median", 11.5}, {"rmse", 12.25}}}}},
+                           {"covered", 0.875},
                            {"nees", {{"map", 1.125}, {"odom", nullptr}}}},
             .truth = true_trajectory()};
   }
@@ -168,6 +169,8 @@ TEST_F(ReportPage, HasARowAndASectionForEachRun) {
   const std::string page = report_page(input({run("robot_1"), run("robot_2"), run("<3&4>")}));
   EXPECT_THAT(page, HasSubstr("<th scope=\"row\"><a href=\"#run2\">robot_2</a></th>"));
   EXPECT_THAT(page, HasSubstr("<section id=\"run2\">\n<h2>robot_2</h2>"));
+  EXPECT_EQ(count(page, ">covered [%]</th>"), 1U);
+  EXPECT_EQ(count(page, "<td>87.5</td>"), 3U);
   EXPECT_THAT(page, HasSubstr("<h2>&lt;3&amp;4&gt;</h2>"));
   EXPECT_EQ(count(page, "<section id=\"run"), 3U);
   EXPECT_EQ(count(page, "<svg"), 24U);
