@@ -8,7 +8,8 @@ namespace fleetloc {
 
 /// Fixes the gauge freedom of a stereo-inertial window, yaw and position of one pose, with a sigma
 /// that leaves the system well scaled. It changes no estimate relative to that pose, and is never
-/// marginalized. Residual: [yaw, position] / sigma. Parameters: T_odom_body (7).
+/// marginalized. Its sigma is in every covariance of the window; it is no drift. Residual: [yaw,
+/// position] / sigma. Parameters: T_odom_body (7).
 class GaugeFactor final : public ceres::SizedCostFunction<4, 7> {
  public:
   static constexpr double kSigma = 1e-3;  ///< [rad, m]

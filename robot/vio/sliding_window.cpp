@@ -39,6 +39,21 @@ GraphKeyframe graph_keyframe(const KeyframeInput& input, const NavState& state) 
   return keyframe;
 }
 
+// Covariance of a keyframe's state relative to yaw and position of the oldest one, of that of all
+// states: without the sigma that the gauge factor leaves to these.
+Matrix15d relative_to_oldest(const Eigen::MatrixXd& covariance,
+                             const WindowGraph& graph,
+                             std::size_t index) {
+  const Pose T_oldest = pose_from(graph.keyframes.front().pose.data());
+  const auto at = kState * static_cast<Eigen::Index>(index);
+  const Eigen::Matrix<double, kState, 6> J =
+      jacobian_by_yaw_and_position(T_oldest, state_of(graph.keyframes[index])) *
+      yaw_and_position_jacobian(T_oldest);
+  const Matrix15d common = J * covariance.block<6, kState>(0, at);
+  return covariance.block<kState, kState>(at, at) - common - common.transpose() +
+         J * covariance.topLeftCorner<6, 6>() * J.transpose();
+}
+
 // One axis of roll and pitch, from the covariance of the tangent.
 double tilt_sigma(const Pose& T_odom_body, const Eigen::Matrix3d& rotation_covariance) {
   const Eigen::Matrix3d R = T_odom_body.R.toRotationMatrix();
@@ -172,8 +187,8 @@ void SlidingWindow::State::report(const WindowDiagnostics& diagnostics,
   estimate.landmarks = landmark_estimates(graph, config.noise.pixel_sigma);
   const auto J = jacobian_by_yaw_and_position(estimate.keyframes.front().state.T_odom_body,
                                               estimate.keyframes.back().state);
-  estimate.covariance =
-      covariance.bottomRightCorner<kState, kState>() + J * oldest_drift * J.transpose();
+  estimate.covariance = relative_to_oldest(covariance, graph, graph.keyframes.size() - 1) +
+                        J * oldest_drift * J.transpose();
 }
 
 // The next keyframe becomes the fixed one: its covariance relative to the oldest adds to the drift.
@@ -184,7 +199,7 @@ void SlidingWindow::State::slide(const Eigen::MatrixXd& covariance) {
   Eigen::Matrix4d carried = Eigen::Matrix4d::Identity();
   carried.block<3, 1>(1, 0) = Eigen::Vector3d::UnitZ().cross(T_next.p - T_oldest.p);
   oldest_drift = carried * oldest_drift * carried.transpose() +
-                 A * covariance.block<6, 6>(kState, kState) * A.transpose();
+                 A * relative_to_oldest(covariance, graph, 1).topLeftCorner<6, 6>() * A.transpose();
   marginalize_oldest(graph, config);
 }
 
