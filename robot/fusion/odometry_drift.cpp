@@ -21,49 +21,54 @@ VarianceChange::Step VarianceChange::update(double variance) {
 
 OdometryDrift::OdometryDrift(const Config& config) : config_(config) {}
 
-// Covariance at the body, in odom axes. A new rotation error rotates about the body. A corrected
-// one also corrects the position error that it had caused.
+// Covariance at the body, in odom axes. A corrected tilt also corrects what it had done to yaw and
+// position within the odometry's window; a new one rotates about the body.
 Matrix6d OdometryDrift::reported_drift(const OdometryEstimate& estimate) {
-  const Matrix6d to_odom = adjoint({estimate.state.T_odom_body.R, Eigen::Vector3d::Zero()});
+  const Pose& T_odom_body = estimate.state.T_odom_body;
+  const Matrix6d to_odom = adjoint({T_odom_body.R, Eigen::Vector3d::Zero()});
   const Matrix6d covariance =
       to_odom * estimate.covariance.topLeftCorner<6, 6>() * to_odom.transpose();
-  const Eigen::Matrix3d rotation = covariance.topLeftCorner<3, 3>();
-  const Eigen::Matrix3d shared = covariance.bottomLeftCorner<3, 3>();
-  const Eigen::Matrix3d by_rotation = rotation.ldlt().solve(shared.transpose()).transpose();
-  const Eigen::Matrix3d position =
-      covariance.bottomRightCorner<3, 3>() - by_rotation * shared.transpose();
-  Vector6d variances;
-  variances << rotation.diagonal(), position.diagonal();
+  const Eigen::Matrix2d tilt = covariance.topLeftCorner<2, 2>();
+  const Eigen::Matrix<double, 4, 2> shared = covariance.bottomLeftCorner<4, 2>();
+  const Eigen::Matrix<double, 4, 2> by_tilt = tilt.ldlt().solve(shared.transpose()).transpose();
+  const Eigen::Matrix4d yaw_and_position =
+      covariance.bottomRightCorner<4, 4>() - by_tilt * shared.transpose();
 
-  Matrix6d with_rotation = Matrix6d::Identity();
-  with_rotation.bottomLeftCorner<3, 3>() = by_rotation;
   Matrix6d result = Matrix6d::Zero();
-  for (int i = 0; i < 6; ++i) {
-    const auto [up, down] = variance_changes_[static_cast<std::size_t>(i)].update(variances(i));
+  for (int i = 0; i < 2; ++i) {
+    const auto [up, down] = tilt_changes_[static_cast<std::size_t>(i)].update(tilt(i, i));
+    Vector6d with_tilt = Vector6d::Unit(i);
+    with_tilt.tail<4>() = by_tilt.col(i);
     result(i, i) += up;
-    result += down * with_rotation.col(i) * with_rotation.col(i).transpose();
+    result += down * with_tilt * with_tilt.transpose();
   }
+  if (last_) {
+    Eigen::Matrix4d J = Eigen::Matrix4d::Identity();  // an old yaw error turns the way since
+    J.block<3, 1>(1, 0) = Eigen::Vector3d::UnitZ().cross(T_odom_body.p - last_->T_odom_body.p);
+    const Eigen::Matrix4d gained = yaw_and_position - J * last_->yaw_and_position * J.transpose();
+    result.diagonal().tail<4>() += gained.diagonal().cwiseAbs();
+  }
+  last_ = {T_odom_body, yaw_and_position};
   return result;
 }
 
 DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
-  const Pose& T_odom_body = estimate.state.T_odom_body;
+  const std::optional<Reported> last = last_;
   Matrix6d Q = config_.covariance_share * reported_drift(estimate);
   DriftStep result;
-  if (last_T_odom_body_) {
-    result.metres = (T_odom_body.p - last_T_odom_body_->p).norm();
-    const double radians = log_so3(last_T_odom_body_->R.conjugate() * T_odom_body.R).norm();
-    const auto square = [](double x) { return x * x; };
-    Vector6d walk;
-    walk << Eigen::Vector2d::Constant(square(config_.tilt) * result.metres),
-        square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians,
-        Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
-    Q.diagonal() += walk;
-    // Q is at the body: moved to the origin of odom.
-    const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), T_odom_body.p});
-    result.covariance = A * Q * A.transpose();
-  }
-  last_T_odom_body_ = T_odom_body;
+  if (!last) return result;
+  const Pose& T_odom_body = estimate.state.T_odom_body;
+  result.metres = (T_odom_body.p - last->T_odom_body.p).norm();
+  const double radians = log_so3(last->T_odom_body.R.conjugate() * T_odom_body.R).norm();
+  const auto square = [](double x) { return x * x; };
+  Vector6d walk;
+  walk << Eigen::Vector2d::Constant(square(config_.tilt) * result.metres),
+      square(config_.yaw) * result.metres + square(config_.yaw_by_rotation) * radians,
+      Eigen::Vector3d::Constant(square(config_.translation) * result.metres);
+  Q.diagonal() += walk;
+  // Q is at the body: moved to the origin of odom.
+  const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), T_odom_body.p});
+  result.covariance = A * Q * A.transpose();
   return result;
 }
 

@@ -35,10 +35,13 @@ class VarianceChange {
 /// Drift model of T_map_odom: a random walk whose variance grows with the distance and rotation
 /// travelled, and with changes of the odometry's own covariance.
 ///
-/// An increase of that covariance is new drift. A decrease means that the odometry has corrected an
-/// earlier error, so that its poses move by as much: on a straight path a bias of the accelerometer
-/// looks like a tilt, and the first turn separates them. The position error that an old rotation
-/// error causes while the robot drives on is not drift.
+/// Yaw and position are not observable to the odometry: what their covariance gains beyond what an
+/// old yaw error does to the position while the robot drives on is new drift.
+///
+/// Roll and pitch are. An increase of their variance is new drift, a decrease means that the
+/// odometry has corrected an earlier error, so that its poses move by as much: on a straight path a
+/// bias of the accelerometer looks like a tilt, and the first turn separates them. What depends on
+/// the tilt is not counted with yaw and position: an old tilt is part of T_map_odom.
 class OdometryDrift {
  public:
   struct Config {
@@ -54,12 +57,16 @@ class OdometryDrift {
   DriftStep step(const OdometryEstimate& estimate);
 
  private:
+  /// Of the odometry at one frame, at the body in odom axes.
+  struct Reported {
+    Pose T_odom_body;
+    Eigen::Matrix4d yaw_and_position;  ///< covariance, given the tilt
+  };
   Matrix6d reported_drift(const OdometryEstimate& estimate);
 
   Config config_;
-  std::optional<Pose> last_T_odom_body_;
-  // Of the rotation, then of the position given the rotation, in odom axes.
-  std::array<VarianceChange, 6> variance_changes_;
+  std::optional<Reported> last_;
+  std::array<VarianceChange, 2> tilt_changes_;  ///< about x and y
 };
 
 OdometryDrift::Config read_odometry_drift_config(ConfigReader section);

@@ -110,14 +110,42 @@ TEST(OdometryDrift, IsNotWhatAnOldErrorOfTheRotationDoesFartherOn) {
   }
 }
 
-// An optimal estimate that learns its rotation: what it moves by is what it becomes surer of.
+// The yaw of an odometry is a random walk, and its position the integral: after a kilometre the
+// covariance of the position grows by metres with each metre, but T_map_odom drifts as in the
+// first.
+TEST(OdometryDrift, IsTheSameAfterAKilometreAsInTheFirstMetre) {
+  constexpr double kYawVariance = 1e-6;       // new with each metre
+  constexpr double kPositionVariance = 1e-5;  // of each axis
+  OdometryDrift drift({.covariance_share = 1.0});
+  OdometryEstimate estimate;
+  Matrix6d step = Matrix6d::Identity();
+  step.block<3, 1>(3, 2) = Eigen::Vector3d::UnitZ().cross(Eigen::Vector3d::UnitX());
+  Matrix6d covariance = Matrix6d::Zero();
+  for (int metre = 0; metre <= 1000; ++metre) {
+    estimate.state.T_odom_body.p.x() = metre;
+    estimate.covariance.topLeftCorner<6, 6>() = covariance;
+    const Matrix6d drifted = drift.step(estimate).covariance;
+    const Matrix6d A = adjoint(inverse(estimate.state.T_odom_body));
+    const Matrix6d at_the_body = A * drifted * A.transpose();
+    if (metre > 0) {
+      EXPECT_NEAR(at_the_body(2, 2), kYawVariance, 1e-9) << metre;
+      EXPECT_NEAR(at_the_body(4, 4), kPositionVariance, 1e-8) << metre;
+    }
+    covariance = step * covariance * step.transpose();
+    covariance(2, 2) += kYawVariance;
+    covariance.diagonal().tail<3>().array() += kPositionVariance;
+  }
+  EXPECT_GT(covariance(4, 4), 300.0);  // (17 m)^2
+}
+
+// An optimal estimate that learns its tilt: what it moves by is what it becomes surer of.
 TEST(OdometryDrift, IsWhatAnEstimateIsRevisedBy) {
   const Matrix6d before = covariance_after_straight_way({0.015, 0.012, 0.02}, 0.1);
-  Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Zero();
-  H.leftCols<3>().setIdentity();
-  const Eigen::Matrix3d R = Eigen::Vector3d(1e-5, 2e-5, 3e-5).asDiagonal();
-  const Eigen::Matrix3d S = H * before * H.transpose() + R;
-  const Eigen::Matrix<double, 6, 3> K = before * H.transpose() * S.inverse();
+  Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
+  H.leftCols<2>().setIdentity();
+  const Eigen::Matrix2d R = Eigen::Vector2d(1e-5, 2e-5).asDiagonal();
+  const Eigen::Matrix2d S = H * before * H.transpose() + R;
+  const Eigen::Matrix<double, 6, 2> K = before * H.transpose() * S.inverse();
   const Matrix6d revision = K * S * K.transpose();
 
   OdometryDrift drift({.covariance_share = 1.0});
