@@ -233,7 +233,7 @@ TEST_F(RobotReset, TellsWhatAnotherLocalizerWouldBeginWithAsItIsNow) {
   const double sigma_with_answers = sigma_where_known();
   localizer_.answering = false;
   play(12.0);
-  EXPECT_GT(sigma_where_known(), 1.5 * sigma_with_answers);
+  EXPECT_GT(sigma_where_known(), 1.2 * sigma_with_answers);
 }
 
 class SlowRobotReset : public RobotReset {
