@@ -156,15 +156,16 @@ void set_pose_quality(PoseEstimate& estimate,
   }
   estimate.since_last_answer = std::max(Duration{}, estimate.stamp - *status.last_applied);
   const double odometry_age_s = to_seconds(estimate.stamp - status.newest_odometry);
-  const Matrix6d& covariance = estimate.covariance_map;
+  const double sigma_rad = max_sigma(estimate.covariance_map.topLeftCorner<3, 3>());
+  const double sigma_m = max_sigma(estimate.covariance_map.bottomRightCorner<3, 3>());
   if (status.contradicted || odometry_age_s > config.odometry_timeout_s ||
-      max_sigma(covariance.topLeftCorner<3, 3>()) > config.lost_beyond_rad ||
-      max_sigma(covariance.bottomRightCorner<3, 3>()) > config.lost_beyond_m) {
+      sigma_rad > config.lost_beyond_rad || sigma_m > config.lost_beyond_m) {
     return;
   }
-  const bool fresh =
-      !status.carried && to_seconds(estimate.since_last_answer) < config.localized_for_s;
-  estimate.quality = fresh ? Quality::kLocalized : Quality::kDeadReckoning;
+  const bool certain = sigma_rad < config.localized_below_rad && sigma_m < config.localized_below_m;
+  const bool fresh = to_seconds(estimate.since_last_answer) < config.localized_for_s;
+  estimate.quality =
+      certain && fresh && !status.carried ? Quality::kLocalized : Quality::kDeadReckoning;
 }
 
 }  // namespace fleetloc

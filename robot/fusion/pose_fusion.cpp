@@ -34,6 +34,8 @@ PoseFusion::Config read_pose_fusion_config(ConfigReader section) {
   PoseFusion::Config config;
   config.formulation = read_formulation(section);
   config.buffer_s = section.positive("buffer_s");
+  config.localized_below_m = section.positive("localized_below_m");
+  config.localized_below_rad = kRadPerDeg * section.positive("localized_below_deg");
   config.localized_for_s = section.positive("localized_for_s");
   config.odometry_timeout_s = section.positive("odometry_timeout_s");
   config.lost_beyond_m = section.positive("lost_beyond_m");

@@ -11,8 +11,8 @@ namespace fleetloc {
 /// Quality of a pose; what it means for driving: PoseFusion.
 enum class Quality {
   kInitializing,   ///< no pose yet
-  kLocalized,      ///< answers of the cloud keep the map pose from drifting
-  kDeadReckoning,  ///< the map pose is propagated by odometry alone for some time
+  kLocalized,      ///< by its covariance the map pose is within 0.25 m and 2 degrees
+  kDeadReckoning,  ///< it is less certain, or no answer has confirmed it for long
   kLost,           ///< the map pose must not be used: answers contradict it, or there was none yet
 };
 

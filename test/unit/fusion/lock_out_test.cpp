@@ -191,7 +191,7 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
   for (int second = 2; second < 180; second += 2) {
     const double t = second;
     EXPECT_EQ(name(other_map(t, SessionNumber{})), "wrong_map");
-    EXPECT_EQ(quality() == Quality::kLocalized, t < 5.0) << t;
+    EXPECT_EQ(quality() == Quality::kLocalized, t < 30.0) << t;
     dead_reckoned = dead_reckoned || quality() == Quality::kDeadReckoning;
   }
   EXPECT_TRUE(dead_reckoned);

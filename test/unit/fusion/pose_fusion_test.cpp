@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/geometry/covariance.hpp"
 #include "test/unit/fusion/either_fusion.hpp"
 
 namespace fleetloc {
@@ -113,21 +114,57 @@ TEST(PoseFusion, LearnsLittleFromRepeatedAnswersAtRest) {
   EXPECT_LT(variance_after_answers(1.0), 0.5 * one_answer);
 }
 
-TEST_P(EitherFusion, QualityFollowsTheAgeOfTheLastAnswer) {
+TEST_P(EitherFusion, IsLostUntilThereIsAnAnswerHoweverLate) {
   FedFusion fed(config());
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
   fed.drive_to(0.04);
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
-  fed.drive_to(1.0);
+  fed.drive_to(12.5);
   EXPECT_EQ(fed.output.quality, Quality::kLost);
   fed.answer_at(0.5);
-  fed.drive_to(5.49);
+  fed.drive_to(12.6);
   EXPECT_EQ(fed.output.quality, Quality::kLocalized);
-  fed.drive_to(5.5);
+  EXPECT_EQ(fed.output.since_last_answer, at(12.1) - at(0.0));
+}
+
+TEST_P(EitherFusion, IsLocalizedAsLongAsItsCovarianceIsSmall) {
+  const auto sigma = [](const PoseEstimate& estimate, int row) {
+    return max_sigma(estimate.covariance_map.block<3, 3>(row, row));
+  };
+  for (const bool position : {true, false}) {
+    PoseFusion::Config limited = config();
+    limited.localized_for_s = 1000.0;
+    limited.localized_below_m = position ? 0.06 : 1.0;
+    limited.localized_below_rad = position ? 1.0 : 0.0062;
+    FedFusion fed(limited);
+    fed.drive_to(2.0);
+    fed.answer_at(1.0);
+    int localized = 0;
+    int dead_reckoned = 0;
+    for (double t = 3.0; t < 120.0; t += 1.0) {
+      fed.drive_to(t);
+      const bool certain = sigma(fed.output, 3) < limited.localized_below_m &&
+                           sigma(fed.output, 0) < limited.localized_below_rad;
+      EXPECT_EQ(fed.output.quality, certain ? Quality::kLocalized : Quality::kDeadReckoning) << t;
+      ++(certain ? localized : dead_reckoned);
+    }
+    EXPECT_GT(localized, 5) << position;
+    EXPECT_GT(dead_reckoned, 5) << position;
+  }
+}
+
+// At rest its covariance does not grow; but nothing would tell it that it was wrong.
+TEST_P(EitherFusion, IsNotLocalizedLongAfterTheLastAnswerHoweverCertain) {
+  FedFusion fed(config());
+  fed.drive.speed = 0.0;
+  fed.drive_to(1.0);
+  fed.answer_at(0.5);
+  fed.drive_to(30.49);
+  EXPECT_EQ(fed.output.quality, Quality::kLocalized);
+  fed.drive_to(30.5);
   EXPECT_EQ(fed.output.quality, Quality::kDeadReckoning);
-  EXPECT_EQ(fed.output.since_last_answer, at(5.0) - at(0.0));
-  fed.answer_at(5.0);
-  fed.drive_to(6.0);
+  fed.answer_at(29.0);
+  fed.drive_to(31.0);
   EXPECT_EQ(fed.output.quality, Quality::kLocalized);
 }
 
