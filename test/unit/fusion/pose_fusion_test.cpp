@@ -141,7 +141,7 @@ TEST_P(EitherFusion, IsLocalizedAsLongAsItsCovarianceIsSmall) {
     fed.answer_at(1.0);
     int localized = 0;
     int dead_reckoned = 0;
-    for (double t = 3.0; t < 120.0; t += 1.0) {
+    for (int t = 3; t < 120; ++t) {
       fed.drive_to(t);
       const bool certain = sigma(fed.output, 3) < limited.localized_below_m &&
                            sigma(fed.output, 0) < limited.localized_below_rad;
