@@ -52,8 +52,8 @@ expected<Message, PoolRefusal> AnswerSender::encoded(const SubmapReceiver& recei
   Answer answer = *answer_;
   answer.result.number = ++number_;
   answer.result.acknowledgements = received.acknowledgements();
+  answer.result.holding_time = received.since_newest(now);
   if (first_sent_) {
-    answer.result.holding_time += now - *first_sent_;
     answer.correction.reset();
   } else {
     first_sent_ = now;

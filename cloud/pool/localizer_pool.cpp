@@ -71,6 +71,11 @@ void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) 
   if (!change) return report_.refuse(session.robot, change.error(), now);
   if (*change == Change::kLeft) return end(session.robot, "went to " + session.localizer);
   if (*change != Change::kNone) open(session, *change);
+  if (*change == Change::kOpened || *change == Change::kReplaced) {
+    for (const auto& [sample, bytes] : early_.take(session.robot, session.session)) {
+      receive_submap(sample, bytes, now);
+    }
+  }
 }
 
 // A job that runs meanwhile keeps its own session; what it finds is dropped.
@@ -97,7 +102,10 @@ void LocalizerPool::receive_submap(Submap submap, std::size_t bytes, Timestamp n
 // The block is decoded with the calibration of its session, so only when that is known.
 void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes, Timestamp now) {
   const auto accepted = protocol_.submap(header_of(sample), now);
-  if (!accepted) return report_.refuse(sample.robot, accepted.error(), now);
+  if (!accepted) {
+    if (accepted.error() == PoolRefusal::kUnknownSession) early_.keep(sample, bytes, now);
+    return report_.refuse(sample.robot, accepted.error(), now);
+  }
   auto submap = decode_submap(sample, (*accepted)->stereo);
   if (!submap) return report_.refuse(submap.error());
   protocol_.note(sample.robot, sample.receipt);
@@ -106,7 +114,7 @@ void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes
 
 void LocalizerPool::add_submap(Submap submap, std::size_t bytes, Timestamp now) {
   const RobotId id = submap.robot;
-  protocol_.store(header_of(submap));
+  protocol_.store(header_of(submap), now);
   SessionReport& report = report_.of(id);
   ++report.submaps;
   scheduler_.add(id, now);
@@ -176,7 +184,6 @@ void LocalizerPool::finish(const Job& job,
     report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
-  answer.holding_time = now - job.received;
   protocol_.answer(job.robot, std::move(answer), job.correction);
 }
 
@@ -198,6 +205,7 @@ void LocalizerPool::clean_up(Timestamp now) {
     if (!scheduler_.is_running(robot)) end(robot, "nothing was heard of the robot");
   }
   protocol_.clean_up(now);
+  early_.clean_up(now);
   report_.clean_up(now);
 }
 

@@ -10,6 +10,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "cloud/pool/early_samples.hpp"
 #include "cloud/pool/fair_scheduler.hpp"
 #include "cloud/pool/pool_report.hpp"
 #include "cloud/pool/session_protocol.hpp"
@@ -101,6 +102,7 @@ class LocalizerPool {
   SessionProtocol protocol_;
   FairScheduler scheduler_;
   PoolReport report_;
+  EarlySamples early_;
   std::map<RobotId, Robot> robots_;  // that have a session here
   std::optional<Timestamp> cleaned_up_;
 };

@@ -121,8 +121,8 @@ void SessionProtocol::note(const RobotId& robot, const AnswerReceipt& receipt) {
   sessions_.at(robot).answers.note(receipt);
 }
 
-void SessionProtocol::store(const SubmapHeader& submap) {
-  sessions_.at(submap.robot).receiver.store(submap.number);
+void SessionProtocol::store(const SubmapHeader& submap, Timestamp now) {
+  sessions_.at(submap.robot).receiver.store(submap.number, now);
 }
 
 expected<void, PoolRefusal> SessionProtocol::status(const RobotStatus& status, Timestamp now) {

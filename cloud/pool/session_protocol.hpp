@@ -62,7 +62,7 @@ class SessionProtocol {
   expected<const RobotSession*, PoolRefusal> submap(const SubmapHeader& submap, Timestamp now);
 
   /// An accepted submap was found valid and is stored: it is acknowledged from now on.
-  void store(const SubmapHeader& submap);
+  void store(const SubmapHeader& submap, Timestamp now);
 
   /// What the robot of a session here tells of its answers.
   void note(const RobotId& robot, const AnswerReceipt& receipt);

@@ -122,7 +122,7 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
   announcer_.answered();
   selector_.answered(now);
   uplink_.acknowledge(answer, now);
-  note_receipt(answer);
+  note_receipt(answer, now);
   if (decoded->correction) receive_correction(*std::move(decoded->correction));
   if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
   if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
@@ -149,10 +149,10 @@ expected<void, MessageRefusal> CloudClient::check(const LocalizationResult& answ
 }
 
 // Answers are numbered by the incarnation of a localizer.
-void CloudClient::note_receipt(const LocalizationResult& answer) {
+void CloudClient::note_receipt(const LocalizationResult& answer, Timestamp now) {
   const SampleNumber number{answer.number};
   if (!answers_.is_new(number)) return;
-  answers_.store(number);
+  answers_.store(number, now);
   receipt_ = {.newest = std::max(receipt_.newest, answer.number), .loss = answers_.expected_loss()};
 }
 

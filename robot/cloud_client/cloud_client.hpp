@@ -70,7 +70,7 @@ class CloudClient final : public MapLocalizer {
  private:
   void receive_status(const Bytes& payload, Timestamp now);
   void receive_correction(Correction correction);
-  void note_receipt(const LocalizationResult& answer);
+  void note_receipt(const LocalizationResult& answer, Timestamp now);
   std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
   [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;
   void session_requested(const LocalizationResult& answer, Timestamp now);

@@ -66,13 +66,9 @@ void SubmapUplink::add(Submap window) {
 }
 
 void SubmapUplink::acknowledge(const LocalizationResult& answer, Timestamp now) {
-  const auto before = sender_.round_trips();
-  sender_.acknowledge(answer, now);
-  if (!sender_.is_of_stream(answer)) return;
-  record_.acknowledged(answer.acknowledgements);
-  if (sender_.round_trips() != before) {
-    budget_.measured(std::max(Duration{}, *sender_.round_trip() - answer.holding_time), now);
-  }
+  const auto network_delay = sender_.acknowledge(answer, now);
+  if (sender_.is_of_stream(answer)) record_.acknowledged(answer.acknowledgements);
+  if (network_delay) budget_.measured(*network_delay, now);
 }
 
 // The newest window alone: an older one is worth less.
@@ -178,7 +174,7 @@ std::vector<EdgeKey> SubmapUplink::edges_for(std::span<const KeyframeId> keyfram
   std::size_t alone = 0;
   for (const SubmapKeyframe& keyframe : history_.keyframes()) {
     const VirtualEdge* edge = history_.edge_into(keyframe.id);
-    if (edge == nullptr || !(record_.missing(*edge, loss_) > config_.min_missing)) continue;
+    if (edge == nullptr || !(record_.missing(*edge, loss_) > config_.min_missing_edge)) continue;
     const bool is_inside = std::ranges::find(keyframes, edge->to) != keyframes.end();
     if (!is_inside && (!with_newest || ++alone > kMaxEdgesAlone)) continue;
     edges.push_back({edge->to, edge->from});
@@ -249,6 +245,7 @@ SubmapUplink::Config read_submap_uplink_config(ConfigReader config) {
       .window = static_cast<std::size_t>(config.integer("window", 2, 64)),
       .min_missing = config.positive("min_missing"),
       .min_missing_alone = config.positive("min_missing_alone"),
+      .min_missing_edge = config.positive("min_missing_edge"),
       .risky_loss = config.positive("risky_loss"),
       .step_bits = static_cast<std::uint32_t>(config.integer("step_bits", 0, 7)),
       .thinned_step_bits = static_cast<std::uint32_t>(config.integer("thinned_step_bits", 0, 7)),

@@ -35,6 +35,7 @@ class SubmapUplink {
     std::size_t window;               ///< of them may be in one sample
     double min_missing;               ///< share below which an item is not repeated
     double min_missing_alone;         ///< the same, for a datagram without the newest keyframe
+    double min_missing_edge;          ///< the same, for edges: small, and nothing helps without
     double risky_loss;                ///< from which on edges over many keyframes are added
     std::uint32_t step_bits;          ///< pixels are rounded to 2^-step_bits px
     std::uint32_t thinned_step_bits;  ///< where only every second observation is sent

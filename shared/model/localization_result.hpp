@@ -49,7 +49,7 @@ struct LocalizationResult {
   MapHash map_hash{};
   Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows
   Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_body
-  Duration holding_time{};                 ///< spent in the cloud
+  Duration holding_time{};                 ///< since the newest acknowledged sample arrived
 };
 
 }  // namespace fleetloc

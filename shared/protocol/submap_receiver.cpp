@@ -18,7 +18,7 @@ bool SubmapReceiver::is_new(SampleNumber number) {
 
 // The window of 64 numbers follows the newest one; leading stored ones stay in it, so that the
 // share of gaps can be read from it.
-void SubmapReceiver::store(SampleNumber number) {
+void SubmapReceiver::store(SampleNumber number, Timestamp now) {
   const auto n = static_cast<std::uint32_t>(number);
   if (n < base_) return;
   if (bitmap_ == 0) base_ = n;  // the first one
@@ -27,7 +27,9 @@ void SubmapReceiver::store(SampleNumber number) {
     bitmap_ = shift < 64 ? bitmap_ >> shift : 0;
     base_ += shift;
   }
-  bitmap_ |= std::uint64_t{1} << (n - base_);
+  const std::uint64_t bit = std::uint64_t{1} << (n - base_);
+  if (bit > bitmap_) newest_stored_ = now;
+  bitmap_ |= bit;
 }
 
 Acknowledgements SubmapReceiver::acknowledgements() const {

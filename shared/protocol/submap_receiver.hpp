@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "shared/core/time.hpp"
 #include "shared/model/localization_result.hpp"
 
 namespace fleetloc {
@@ -22,7 +23,12 @@ class SubmapReceiver {
   bool is_new(SampleNumber number);
 
   /// To be called after the sample has been validated and stored.
-  void store(SampleNumber number);
+  void store(SampleNumber number, Timestamp now);
+
+  /// How long ago the sample with the highest number was stored; zero without one.
+  [[nodiscard]] Duration since_newest(Timestamp now) const {
+    return newest_stored_ ? now - *newest_stored_ : Duration{};
+  }
 
   [[nodiscard]] Acknowledgements acknowledgements() const;
 
@@ -37,6 +43,7 @@ class SubmapReceiver {
   std::uint32_t base_ = 0;  // everything below is stored, given up or before the first
   std::uint64_t bitmap_ = 0;
   std::optional<std::uint32_t> far_ahead_;  // the latest such number
+  std::optional<Timestamp> newest_stored_;
 };
 
 }  // namespace fleetloc

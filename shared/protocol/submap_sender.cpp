@@ -7,7 +7,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxInFlight = 128;  // answers to older samples give no round trip
+constexpr std::size_t kMaxInFlight = 512;  // acknowledgements of older samples give no round trip
 
 }  // namespace
 
@@ -16,15 +16,15 @@ void SubmapSender::restart(SessionNumber session, Incarnation incarnation) {
   fresh.session_ = session;
   fresh.incarnation_ = incarnation;
   fresh.round_trip_ = round_trip_;  // the network is still the same
-  fresh.round_trips_ = round_trips_;
   // A localizer that this robot comes back to may remember the session and its numbers.
   if (session == session_) fresh.next_number_ = next_number_;
   *this = std::move(fresh);
 }
 
 bool SubmapSender::awaits(KeyframeId newest) const {
-  return std::ranges::any_of(in_flight_,
-                             [&](const auto& item) { return item.second.newest == newest; });
+  return std::ranges::any_of(in_flight_, [&](const auto& item) {
+    return item.second.newest == newest && !item.second.is_acknowledged;
+  });
 }
 
 void SubmapSender::prepare(Submap& submap, Timestamp now) {
@@ -36,8 +36,8 @@ void SubmapSender::prepare(Submap& submap, Timestamp now) {
   if (in_flight_.size() > kMaxInFlight) in_flight_.erase(in_flight_.begin());
 }
 
-void SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) {
-  if (!is_of_stream(answer)) return;
+std::optional<Duration> SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) {
+  if (!is_of_stream(answer)) return std::nullopt;
   const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);
   if (base > acknowledged_base_) {
     const std::uint32_t shift = base - acknowledged_base_;
@@ -45,16 +45,20 @@ void SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) 
     acknowledged_base_ = base;
   }
   if (base == acknowledged_base_) acknowledged_bitmap_ |= answer.acknowledgements.bitmap;
+  if (answer.acknowledgements.bitmap == 0) return std::nullopt;
 
-  const auto sent = std::ranges::find_if(
-      in_flight_, [&](const auto& item) { return item.second.newest == answer.keyframe; });
-  if (sent == in_flight_.end() || answer.status == LocalizationStatus::kNeedFull) return;
-  round_trip_ = now - sent->second.at;
-  ++round_trips_;
-  in_flight_.erase(in_flight_.begin(), std::next(sent));
+  const int span = 64 - std::countl_zero(answer.acknowledgements.bitmap);
+  const auto sent = in_flight_.find(base + static_cast<std::uint32_t>(span) - 1);
+  if (sent == in_flight_.end()) return std::nullopt;
+  const Duration elapsed = now - sent->second.at;
+  if (!std::exchange(sent->second.is_acknowledged, true)) round_trip_ = elapsed;
+  in_flight_.erase(in_flight_.begin(), sent);
+  return std::max(Duration{}, elapsed - answer.holding_time);
 }
 
 double SubmapSender::expected_loss(Timestamp now) const {
+  constexpr double kUnknownLoss = 0.7;  // to rely on nothing before the first acknowledgement
+  if (acknowledged_bitmap_ == 0) return kUnknownLoss;
   constexpr double kPriorLoss = 0.25;
   constexpr double kPriorSamples = 2.0;
   constexpr double kPatienceSeconds =

@@ -18,20 +18,20 @@ class SubmapSender {
   void prepare(Submap& submap, Timestamp now);
 
   /// Takes the acknowledgements of an answer; those of another session or incarnation are ignored.
-  void acknowledge(const LocalizationResult& answer, Timestamp now);
+  /// @return the time on the network there and back, of the newest acknowledged sample and this
+  ///         answer: the time from the one to the other less that in the cloud, as QUIC has it (RFC
+  ///         9002, 5.3)
+  std::optional<Duration> acknowledge(const LocalizationResult& answer, Timestamp now);
 
   /// A new session, incarnation or localizer: all acknowledgements are discarded. Numbers start at
   /// zero with each session.
   void restart(SessionNumber session, Incarnation incarnation);
 
-  /// True if a submap with this newest keyframe was sent and has not been answered yet.
+  /// True if a submap with this newest keyframe was sent and may still be on its way.
   [[nodiscard]] bool awaits(KeyframeId newest) const;
 
-  /// From sending a submap to the first answer for its newest keyframe; the latest measured.
+  /// From sending a submap to the first answer that acknowledges it; the latest measured.
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
-
-  /// How many round trips were measured.
-  [[nodiscard]] std::uint64_t round_trips() const { return round_trips_; }
 
   /// Share of the latest samples, up to 64, that should be acknowledged by now and are not.
   [[nodiscard]] double loss() const;
@@ -52,6 +52,7 @@ class SubmapSender {
   struct Sent {
     Timestamp at;
     KeyframeId newest{};
+    bool is_acknowledged = false;
   };
 
   SessionNumber session_{};
@@ -59,9 +60,8 @@ class SubmapSender {
   std::uint32_t next_number_ = 0;
   std::uint32_t acknowledged_base_ = 0;
   std::uint64_t acknowledged_bitmap_ = 0;
-  std::map<std::uint32_t, Sent> in_flight_;  // by sample number
+  std::map<std::uint32_t, Sent> in_flight_;  // by sample number, from the newest acknowledged on
   std::optional<Duration> round_trip_;
-  std::uint64_t round_trips_ = 0;
 };
 
 }  // namespace fleetloc

@@ -85,7 +85,7 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
   EXPECT_EQ(sent[0].incarnation, Incarnation{3});
   EXPECT_EQ(sent[0].map_hash, map_->info().hash);
   EXPECT_EQ(sent[0].acknowledgements.bitmap, 0b101U);
-  EXPECT_EQ(sent[0].holding_time, milliseconds(40));
+  EXPECT_EQ(sent[0].holding_time, milliseconds(50));
   EXPECT_EQ(sent[0].status, LocalizationStatus::kNoStartPose);
   EXPECT_EQ(report("a").rejected.at("no_start_pose"), 1);
 }
@@ -126,6 +126,18 @@ TEST_F(LocalizerPoolTest, RefusesByNameWhatDoesNotBelongToTheSession) {
   EXPECT_EQ(report("a").refused.at("unknown_session"), 1);
   EXPECT_EQ(report("a").refused.at("seen_before"), 1);
   EXPECT_EQ(report("a").refused.at("outdated_session"), 1);
+}
+
+TEST_F(LocalizerPoolTest, UsesWhatCameBeforeTheSession) {
+  const RobotSession session = session_of("a");
+  for (const std::uint32_t number : {0U, 2U}) {
+    const Submap submap = submap_of("a", number);
+    pool_.receive({Topic::kCompactSubmap, encode_compact(submap, {}, {}, session.stereo)}, at(0));
+  }
+  open(session);
+  EXPECT_EQ(report("a").submaps, 2);
+  run_job(0);
+  EXPECT_EQ(answers(0).at(0).acknowledgements.bitmap, 0b101U);
 }
 
 TEST_F(LocalizerPoolTest, AResultOfAReplacedSessionIsDropped) {

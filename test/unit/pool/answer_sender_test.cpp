@@ -90,16 +90,16 @@ TEST_F(AnswerSenderTest, ReceiptsOfEarlierAnswersEndNothing) {
   EXPECT_GT(count(1.0, 2.0), 3);
 }
 
-TEST_F(AnswerSenderTest, ARepetitionTellsHowLongTheAnswerWasHeldAndAcknowledgesWhatHasArrived) {
-  Answer answer = some_answer();
-  answer.result.holding_time = std::chrono::milliseconds(50);
-  sender_.set(answer);
+TEST_F(AnswerSenderTest, ARepetitionAcknowledgesWhatHasArrivedAndTellsHowLongAgo) {
+  received_.store(SampleNumber{5}, at(0.95));
+  sender_.set(some_answer());
   EXPECT_EQ(sent(1.0)->result.holding_time, std::chrono::milliseconds(50));
-  received_.store(SampleNumber{7});
+  received_.store(SampleNumber{7}, at(2.5));
+  received_.store(SampleNumber{6}, at(2.7));
   const auto again = sent(3.0);
   EXPECT_FALSE(again->correction);
-  EXPECT_EQ(again->result.holding_time, std::chrono::milliseconds(2050));
-  EXPECT_EQ(again->result.acknowledgements.base, SampleNumber{7});
+  EXPECT_EQ(again->result.holding_time, std::chrono::milliseconds(500));
+  EXPECT_EQ(again->result.acknowledgements.bitmap, 0b111U);
 }
 
 TEST_F(AnswerSenderTest, StaysWithinItsBudget) {

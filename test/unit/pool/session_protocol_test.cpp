@@ -117,7 +117,7 @@ TEST_F(SessionProtocolTest, TakesEachSubmapOfTheSessionOnce) {
   const SubmapHeader first = header_of(submap_of(session, 1));
   EXPECT_TRUE(protocol_.submap(first, at(1)).has_value());
   EXPECT_TRUE(protocol_.submap(first, at(1)).has_value()) << "it is not stored yet";
-  protocol_.store(first);
+  protocol_.store(first, at(0));
   EXPECT_EQ(protocol_.submap(header_of(submap_of(session, 1)), at(1)).error(),
             PoolRefusal::kSeenBefore);
   Submap earlier = submap_of(session, 2);

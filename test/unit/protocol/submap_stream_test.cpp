@@ -36,8 +36,8 @@ LocalizationResult answer_to(std::uint32_t keyframe,
 TEST(SubmapReceiver, KnowsWhatItHasStored) {
   SubmapReceiver receiver;
   EXPECT_TRUE(receiver.is_new(SampleNumber{0}));
-  receiver.store(SampleNumber{0});
-  receiver.store(SampleNumber{2});
+  receiver.store(SampleNumber{0}, {});
+  receiver.store(SampleNumber{2}, {});
   EXPECT_FALSE(receiver.is_new(SampleNumber{0}));
   EXPECT_TRUE(receiver.is_new(SampleNumber{1}));
   EXPECT_FALSE(receiver.is_new(SampleNumber{2}));
@@ -54,7 +54,7 @@ TEST(SubmapReceiver, AgreesWithASetWhateverTheOrder) {
     const std::uint32_t number = newest + step > 4 ? newest + step - 4 : 0;
     const auto base = static_cast<std::uint32_t>(receiver.acknowledgements().base);
     EXPECT_EQ(receiver.is_new(SampleNumber{number}), number >= base && !stored.contains(number));
-    receiver.store(SampleNumber{number});
+    receiver.store(SampleNumber{number}, {});
     if (number >= base) stored.insert(number);
     newest = std::max(newest, number);
   }
@@ -62,8 +62,8 @@ TEST(SubmapReceiver, AgreesWithASetWhateverTheOrder) {
 
 TEST(SubmapReceiver, FarJumpsForgetWhatIsOlder) {
   SubmapReceiver receiver;
-  receiver.store(SampleNumber{5});
-  receiver.store(SampleNumber{4'000'000'000});
+  receiver.store(SampleNumber{5}, {});
+  receiver.store(SampleNumber{4'000'000'000}, {});
   EXPECT_FALSE(receiver.is_new(SampleNumber{5}));
   EXPECT_FALSE(receiver.is_new(SampleNumber{4'000'000'000}));
   EXPECT_TRUE(receiver.is_new(SampleNumber{3'999'999'999}));
@@ -72,15 +72,15 @@ TEST(SubmapReceiver, FarJumpsForgetWhatIsOlder) {
 TEST(SubmapReceiver, MeasuresTheShareThatIsLost) {
   SubmapReceiver receiver;
   EXPECT_EQ(receiver.loss(), 0.0);
-  for (std::uint32_t i = 0; i < 200; i += 4) receiver.store(SampleNumber{i});
+  for (std::uint32_t i = 0; i < 200; i += 4) receiver.store(SampleNumber{i}, {});
   EXPECT_NEAR(receiver.loss(), 0.75, 0.03);
 }
 
 TEST(SubmapReceiver, CountsNothingAsLostBeforeItsFirstSample) {
   SubmapReceiver receiver;
-  receiver.store(SampleNumber{400});
+  receiver.store(SampleNumber{400}, {});
   EXPECT_EQ(receiver.loss(), 0.0);
-  receiver.store(SampleNumber{403});
+  receiver.store(SampleNumber{403}, {});
   EXPECT_EQ(receiver.loss(), 0.5);
 }
 
@@ -106,12 +106,42 @@ TEST(SubmapSender, MeasuresRoundTripAndLoss) {
     const int now = static_cast<int>(i) * 100;
     sender.prepare(submap, at(now));
     if (i % 2 == 1) continue;  // lost
-    receiver.store(submap.number);
+    receiver.store(submap.number, {});
     sender.acknowledge(answer_to(i, receiver), at(now + 80));
   }
   ASSERT_TRUE(sender.round_trip().has_value());
   EXPECT_EQ(*sender.round_trip(), milliseconds(80));
   EXPECT_NEAR(sender.loss(), 0.5, 0.03);
+}
+
+TEST(SubmapSender, TimesTheNetworkByTheSampleThatArrivedAndNotByOneThatWasLost) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1}, Incarnation{1});
+  Submap submap = with_keyframe(7);
+  sender.prepare(submap, at(0));  // lost
+  sender.prepare(submap, at(1000));
+  receiver.store(submap.number, at(1030));
+  LocalizationResult answer = answer_to(7, receiver);
+  answer.holding_time = receiver.since_newest(at(1110));
+  EXPECT_EQ(sender.acknowledge(answer, at(1140)), milliseconds(60));
+  EXPECT_EQ(sender.round_trip(), milliseconds(140));
+  // A repeated one tells of the network, too, but not how long the answer took.
+  answer.holding_time = receiver.since_newest(at(3110));
+  EXPECT_EQ(sender.acknowledge(answer, at(3150)), milliseconds(70));
+  EXPECT_EQ(sender.round_trip(), milliseconds(140));
+}
+
+TEST(SubmapSender, RightAfterTheStartItReliesOnNoSample) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1}, Incarnation{1});
+  Submap submap = with_keyframe(7);
+  sender.prepare(submap, at(0));
+  EXPECT_GE(sender.expected_loss(at(10)), 0.5);
+  receiver.store(submap.number, at(10));
+  sender.acknowledge(answer_to(7, receiver), at(20));
+  EXPECT_LT(sender.expected_loss(at(20)), 0.25);
 }
 
 TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
@@ -121,7 +151,7 @@ TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
   for (std::uint32_t i = 0; i < 10; ++i) {
     Submap submap = with_keyframe(i);
     sender.prepare(submap, at(0));
-    if (i == 0 || i == 9) receiver.store(submap.number);
+    if (i == 0 || i == 9) receiver.store(submap.number, {});
   }
   sender.acknowledge(answer_to(9, receiver), at(1));
   EXPECT_GT(sender.loss(), 0.5);
@@ -143,6 +173,7 @@ TEST(SubmapSender, KnowsWhatAwaitsAnAnswer) {
     Submap submap = with_keyframe(i);
     sender.prepare(submap, at(0));
   }
+  receiver.store(SampleNumber{1}, at(1));
   sender.acknowledge(answer_to(1, receiver), at(1));
   EXPECT_FALSE(sender.awaits(KeyframeId{0}));
   EXPECT_FALSE(sender.awaits(KeyframeId{1}));
