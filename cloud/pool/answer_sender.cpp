@@ -1,5 +1,6 @@
 #include "cloud/pool/answer_sender.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
@@ -7,6 +8,11 @@
 #include "shared/wire/malformed.hpp"
 
 namespace fleetloc {
+namespace {
+
+constexpr std::size_t kMaxInFlight = 512;  // receipts of older answers give no round trip
+
+}  // namespace
 
 void AnswerSender::set(Answer answer) {
   answer_ = std::move(answer);
@@ -18,10 +24,17 @@ void AnswerSender::reset() {
   first_sent_.reset();
 }
 
+void AnswerSender::note(const AnswerReceipt& receipt, Timestamp now) {
+  receipt_ = receipt;
+  const auto sent = sent_.find(receipt.newest);
+  if (sent == sent_.end() || !receipt.age) return;
+  budget_.measured(std::max(Duration{}, now - sent->second - *receipt.age), now);
+  sent_.erase(sent_.begin(), sent);
+}
+
 std::optional<expected<Message, PoolRefusal>> AnswerSender::due(const SubmapReceiver& received,
                                                                 Timestamp now) {
-  const bool is_bad = receipt_.loss >= config_.high_loss;
-  tokens_.advance(now, is_bad ? config_.max_bytes_per_s_high_loss : config_.max_bytes_per_s);
+  budget_.advance(now, receipt_.loss);
   if (!answer_ || !is_to_be_sent(now)) return std::nullopt;
   auto message = encoded(received, now);
   if (!message) {
@@ -30,19 +43,19 @@ std::optional<expected<Message, PoolRefusal>> AnswerSender::due(const SubmapRece
   }
   std::size_t wire_bytes = 0;
   for (const std::size_t bytes : datagram_sizes(message->payload.size())) wire_bytes += bytes;
-  tokens_.spend(wire_bytes);
+  budget_.spend(wire_bytes);
   return message;
 }
 
 // The budget may be overdrawn by one answer; the next one waits for it.
 bool AnswerSender::is_to_be_sent(Timestamp now) {
-  if (!tokens_.allows(0)) return false;
+  if (!budget_.allows(0)) return false;
   if (!first_sent_) {
     retransmission_.sent(now);
     return true;
   }
-  const auto reserve = static_cast<std::size_t>(config_.burst_bytes / 2.0);
-  if (receipt_.newest >= first_number_ || !tokens_.allows(reserve)) return false;
+  const auto reserve = static_cast<std::size_t>(config_.budget.burst_bytes / 2.0);
+  if (receipt_.newest >= first_number_ || !budget_.allows(reserve)) return false;
   return retransmission_.due(now, receipt_.loss);
 }
 
@@ -51,6 +64,8 @@ expected<Message, PoolRefusal> AnswerSender::encoded(const SubmapReceiver& recei
                                                      Timestamp now) {
   Answer answer = *answer_;
   answer.result.number = ++number_;
+  sent_[number_] = now;
+  if (sent_.size() > kMaxInFlight) sent_.erase(sent_.begin());
   answer.result.acknowledgements = received.acknowledgements();
   answer.result.holding_time = received.since_newest(now);
   if (first_sent_) {
@@ -70,10 +85,7 @@ AnswerSender::Config read_answer_sender_config(ConfigReader config) {
   return {.retransmission = read_retransmission_timer_config(config.section("retransmission")),
           .max_payload_bytes =
               static_cast<std::size_t>(config.integer("max_payload_bytes", 300, 60'000)),
-          .max_bytes_per_s = config.positive("max_bytes_per_s"),
-          .max_bytes_per_s_high_loss = config.positive("max_bytes_per_s_high_loss"),
-          .high_loss = config.positive("high_loss"),
-          .burst_bytes = config.positive("burst_bytes")};
+          .budget = read_byte_budget_config(config.section("budget"))};
 }
 
 }  // namespace fleetloc

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 
 #include "cloud/pool/pool_refusal.hpp"
@@ -9,9 +10,9 @@
 #include "shared/compact/submap_sample.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/link/channel.hpp"
+#include "shared/protocol/byte_budget.hpp"
 #include "shared/protocol/retransmission_timer.hpp"
 #include "shared/protocol/submap_receiver.hpp"
-#include "shared/protocol/token_bucket.hpp"
 
 namespace fleetloc {
 
@@ -19,26 +20,26 @@ class ConfigReader;
 
 /// The latest answer to one robot: sent at once with its corrections, then repeated alone until the
 /// robot tells that it has arrived or there is a newer one, the more often, the more answers get
-/// lost; all within a budget of bytes, half of which is kept for new answers.
+/// lost; all within a budget of bytes, which follows the queueing delay of the downlink, and of
+/// which half a burst is kept for new answers.
 class AnswerSender {
  public:
   struct Config {
     RetransmissionTimer::Config retransmission;
     std::size_t max_payload_bytes;
-    double max_bytes_per_s;            ///< on the wire
-    double max_bytes_per_s_high_loss;  ///< the same, from `high_loss` on
-    double high_loss;                  ///< share of answers
-    double burst_bytes;
+    ByteBudget::Config budget;
   };
 
   explicit AnswerSender(const Config& config)
-      : config_(config), retransmission_(config.retransmission), tokens_(config.burst_bytes) {}
+      : config_(config), retransmission_(config.retransmission), budget_(config.budget) {}
 
   void set(Answer answer);
   void reset();
 
   /// What the robot tells of the answers that it has got.
-  void note(const AnswerReceipt& receipt) { receipt_ = receipt; }
+  void note(const AnswerReceipt& receipt, Timestamp now);
+
+  [[nodiscard]] const ByteBudget& budget() const { return budget_; }
 
   /// Whether the latest answer has a pose.
   [[nodiscard]] bool is_localized() const {
@@ -60,7 +61,8 @@ class AnswerSender {
   std::uint32_t number_ = 0;             // of the last sample
   AnswerReceipt receipt_;
   RetransmissionTimer retransmission_;
-  TokenBucket tokens_;
+  std::map<std::uint32_t, Timestamp> sent_;  // the latest samples, by number
+  ByteBudget budget_;
 };
 
 AnswerSender::Config read_answer_sender_config(ConfigReader config);

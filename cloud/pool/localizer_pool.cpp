@@ -108,7 +108,7 @@ void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes
   }
   auto submap = decode_submap(sample, (*accepted)->stereo);
   if (!submap) return report_.refuse(submap.error());
-  protocol_.note(sample.robot, sample.receipt);
+  protocol_.note(sample.robot, sample.receipt, now);
   add_submap(*std::move(submap), bytes, now);
 }
 

@@ -117,8 +117,8 @@ expected<const RobotSession*, PoolRefusal> SessionProtocol::submap(const SubmapH
   return &session.announced;
 }
 
-void SessionProtocol::note(const RobotId& robot, const AnswerReceipt& receipt) {
-  sessions_.at(robot).answers.note(receipt);
+void SessionProtocol::note(const RobotId& robot, const AnswerReceipt& receipt, Timestamp now) {
+  sessions_.at(robot).answers.note(receipt, now);
 }
 
 void SessionProtocol::store(const SubmapHeader& submap, Timestamp now) {

@@ -65,7 +65,7 @@ class SessionProtocol {
   void store(const SubmapHeader& submap, Timestamp now);
 
   /// What the robot of a session here tells of its answers.
-  void note(const RobotId& robot, const AnswerReceipt& receipt);
+  void note(const RobotId& robot, const AnswerReceipt& receipt, Timestamp now);
 
   /// A status of a session that is not known here is refused without further consequences.
   expected<void, PoolRefusal> status(const RobotStatus& status, Timestamp now);

@@ -52,6 +52,7 @@ void CloudClient::submit(Submap submap, Timestamp now) {
 void CloudClient::send_submap(Timestamp now) {
   if (localizer_.empty() || !announcer_.session()) return;
   try {
+    if (receipt_.newest != 0) receipt_.age = answers_.since_newest(now);
     auto message = uplink_.next(receipt_, now);
     if (!message) return;
     channel_.send(localizer_, *std::move(message), now);
@@ -153,7 +154,8 @@ void CloudClient::note_receipt(const LocalizationResult& answer, Timestamp now) 
   const SampleNumber number{answer.number};
   if (!answers_.is_new(number)) return;
   answers_.store(number, now);
-  receipt_ = {.newest = std::max(receipt_.newest, answer.number), .loss = answers_.expected_loss()};
+  receipt_.newest = std::max(receipt_.newest, answer.number);
+  receipt_.loss = answers_.expected_loss();
 }
 
 // The localizer does not know the session: it was restarted, has dropped it or never received it.

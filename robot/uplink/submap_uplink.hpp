@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "robot/uplink/byte_budget.hpp"
 #include "robot/uplink/delivery_record.hpp"
 #include "robot/uplink/keyframe_history.hpp"
 #include "shared/compact/submap_sample.hpp"
@@ -14,6 +13,7 @@
 #include "shared/model/camera.hpp"
 #include "shared/model/localization_result.hpp"
 #include "shared/model/session.hpp"
+#include "shared/protocol/byte_budget.hpp"
 #include "shared/protocol/submap_sender.hpp"
 
 namespace fleetloc {

@@ -13,6 +13,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::size_t kMaxBlock = 1200;
+constexpr std::uint16_t kLongAgo_ms = 65'535;
 constexpr double kLossUnits = 255.0;
 constexpr double kUnitNormTolerance = 1e-3;
 
@@ -32,6 +33,16 @@ Validity check_sample(const wire::CompactSubmap& sample) {
     return unexpected(Malformed::kNotARotation);
   }
   return {};
+}
+
+std::uint16_t age_ms(const AnswerReceipt& receipt) {
+  const std::int64_t ms = receipt.age ? *receipt.age / std::chrono::milliseconds(1) : kLongAgo_ms;
+  return static_cast<std::uint16_t>(std::clamp<std::int64_t>(ms, 0, kLongAgo_ms));
+}
+
+std::optional<Duration> age_of(std::uint16_t age_ms) {
+  if (age_ms == kLongAgo_ms) return std::nullopt;
+  return std::chrono::milliseconds(age_ms);
 }
 
 }  // namespace
@@ -62,6 +73,7 @@ Bytes encode_compact(const Submap& submap,
   sample.answer(receipt.newest);
   sample.answer_loss(
       static_cast<std::uint8_t>(std::lround(kLossUnits * std::clamp(receipt.loss, 0.0, 1.0))));
+  sample.answer_age_ms(age_ms(receipt));
   sample.keyframe(static_cast<std::uint32_t>(newest.id));
   sample.stamp_ns(to_wire(newest.stamp));
   sample.p_odom(pose.p_odom);
@@ -77,16 +89,17 @@ Decoded<SubmapSample> decode_submap_sample(std::span<const std::uint8_t> bytes) 
   const auto decoded = valid_from_cdr<wire::CompactSubmap>(bytes, 1, check_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
-  return SubmapSample{
-      .robot = sample.robot().to_string(),
-      .session = SessionNumber{sample.session()},
-      .incarnation = Incarnation{sample.incarnation()},
-      .number = SampleNumber{sample.number()},
-      .receipt = {.newest = sample.answer(), .loss = sample.answer_loss() / kLossUnits},
-      .keyframe = KeyframeId{sample.keyframe()},
-      .stamp = stamp_from_wire(sample.stamp_ns()),
-      .pose = {.p_odom = sample.p_odom(), .rotation = sample.rotation()},
-      .block = sample.block()};
+  return SubmapSample{.robot = sample.robot().to_string(),
+                      .session = SessionNumber{sample.session()},
+                      .incarnation = Incarnation{sample.incarnation()},
+                      .number = SampleNumber{sample.number()},
+                      .receipt = {.newest = sample.answer(),
+                                  .loss = sample.answer_loss() / kLossUnits,
+                                  .age = age_of(sample.answer_age_ms())},
+                      .keyframe = KeyframeId{sample.keyframe()},
+                      .stamp = stamp_from_wire(sample.stamp_ns()),
+                      .pose = {.p_odom = sample.p_odom(), .rotation = sample.rotation()},
+                      .block = sample.block()};
 }
 
 Decoded<Submap> decode_submap(const SubmapSample& sample, const RectifiedStereo& stereo) {

@@ -15,8 +15,9 @@ namespace fleetloc {
 
 /// What the robot tells of the answers that it gets, beside each submap.
 struct AnswerReceipt {
-  std::uint32_t newest = 0;  ///< number of the newest answer that has arrived; 0: none
-  double loss = 0.25;        ///< share of the answers that does not arrive, as far as is known
+  std::uint32_t newest = 0;     ///< number of the newest answer that has arrived; 0: none
+  double loss = 0.25;           ///< share of the answers that does not arrive, as far as is known
+  std::optional<Duration> age;  ///< since the newest arrived; unknown when it is long ago
 };
 
 /// How exactly a submap is coded.

@@ -30,10 +30,14 @@ struct Datagram {
   std::shared_ptr<BestEffortReader> reader;
 };
 
+struct RobotLinks {
+  LinkModel uplink, downlink;
+};
+
 struct Member {
   bool is_robot;
   std::string name;
-  LinkModel uplink, downlink;  // used for robots
+  RobotLinks links;  // used for robots
   std::multimap<Timestamp, Datagram> inbox;
   std::map<std::pair<MemberId, Topic>, std::shared_ptr<BestEffortReader>> readers;  // of whom
   ChannelStatistics statistics;
@@ -69,15 +73,16 @@ std::uint64_t seed_of(std::uint64_t seed, std::string_view name, std::uint64_t d
 
 class MemoryNetwork::State {
  public:
-  explicit State(LinkConfig link) : link_(std::move(link)) {}
+  State(const LinkConfig& link, Links links)
+      : link_(link),
+        shared_(links == Links::kShared ? std::optional(links_of("")) : std::nullopt) {}
 
   MemberId join(bool is_robot, const std::string& name) {
     const MemberId id = next_id_++;
     members_.emplace(id,
                      Member{.is_robot = is_robot,
                             .name = name,
-                            .uplink = {link_.uplink, seed_of(link_.seed, name, 1)},
-                            .downlink = {link_.downlink, seed_of(link_.seed, name, 2)},
+                            .links = links_of(name),
                             .inbox = {},
                             .readers = {},
                             .statistics = {}});
@@ -158,6 +163,11 @@ class MemoryNetwork::State {
     std::map<MemberId, Timestamp> next_attempt;  // for those it has not reached yet
   };
 
+  [[nodiscard]] RobotLinks links_of(std::string_view name) const {
+    return {.uplink = {link_.uplink, seed_of(link_.seed, name, 1)},
+            .downlink = {link_.downlink, seed_of(link_.seed, name, 2)}};
+  }
+
   void await(const Key& key, Last& last, MemberId receiver) {
     const Member& sender = members_.at(key.sender);
     if (hears(members_.at(receiver), sender, key.topic, key.partition)) {
@@ -197,9 +207,10 @@ class MemoryNetwork::State {
     Member& sender = members_.at(from);
     Member& receiver = members_.at(to);
     Member& robot = sender.is_robot ? sender : receiver;
-    robot.uplink.start(now);
-    robot.downlink.start(now);
-    LinkModel& link = sender.is_robot ? robot.uplink : robot.downlink;
+    RobotLinks& links = shared_ ? *shared_ : robot.links;
+    links.uplink.start(now);
+    links.downlink.start(now);
+    LinkModel& link = sender.is_robot ? links.uplink : links.downlink;
     auto& reader = receiver.readers[{from, sample->message.topic}];
     if (!reader) reader = std::make_shared<BestEffortReader>();
     const std::vector<std::size_t> sizes = datagram_sizes(sample->message.payload.size());
@@ -216,6 +227,7 @@ class MemoryNetwork::State {
   }
 
   LinkConfig link_;
+  std::optional<RobotLinks> shared_;
   Timestamp now_{Timestamp::min()};
   MemberId next_id_ = 0;
   std::uint64_t samples_ = 0;
@@ -244,7 +256,8 @@ class MemoryNetwork::End final : public Channel {
   MemberId id_;
 };
 
-MemoryNetwork::MemoryNetwork(const LinkConfig& link) : state_(std::make_shared<State>(link)) {}
+MemoryNetwork::MemoryNetwork(const LinkConfig& link, Links links)
+    : state_(std::make_shared<State>(link, links)) {}
 
 std::unique_ptr<Channel> MemoryNetwork::join(bool is_robot, const std::string& name) {
   return std::make_unique<End>(state_, state_->join(is_robot, name));

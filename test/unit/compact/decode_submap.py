@@ -394,6 +394,7 @@ def decode_envelope(data):
     for name in ("session", "incarnation", "number", "answer"):
         sample[name] = take("I")
     sample["answer_loss"] = take("B")
+    sample["answer_age_ms"] = take("H")
     sample["keyframe"] = take("I")
     sample["stamp_ns"] = take("q")
     sample["p_odom"] = [take("f") for _ in range(3)]

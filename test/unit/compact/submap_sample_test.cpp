@@ -28,7 +28,7 @@ Submap round_trip(const Submap& sent, const CompactPrecision& precision = {}) {
 
 TEST(SubmapSample, TellsWhoseAndWhichItIs) {
   const Submap sent = some_drive(100, 4);
-  const AnswerReceipt receipt{.newest = 77, .loss = 0.4};
+  const AnswerReceipt receipt{.newest = 77, .loss = 0.4, .age = std::chrono::milliseconds(1250)};
   const auto sample =
       decode_submap_sample(encode_compact(sent, receipt, {}, some_stereo())).value();
   EXPECT_EQ(sample.robot, sent.robot);
@@ -37,6 +37,7 @@ TEST(SubmapSample, TellsWhoseAndWhichItIs) {
   EXPECT_EQ(sample.number, sent.number);
   EXPECT_EQ(sample.receipt.newest, 77U);
   EXPECT_NEAR(sample.receipt.loss, 0.4, 0.5 / 255.0);
+  EXPECT_EQ(sample.receipt.age, std::chrono::milliseconds(1250));
   EXPECT_EQ(sample.keyframe, sent.keyframes.back().id);
   EXPECT_EQ(sample.stamp, sent.keyframes.back().stamp);
   EXPECT_EQ(header_of(sample).revision, revision_of(sent.number));

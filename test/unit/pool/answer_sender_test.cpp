@@ -41,10 +41,15 @@ class AnswerSenderTest : public testing::Test {
   AnswerSender sender_{
       {.retransmission = {.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.1},
        .max_payload_bytes = 480,
-       .max_bytes_per_s = 2000.0,
-       .max_bytes_per_s_high_loss = 4000.0,
-       .high_loss = 0.75,
-       .burst_bytes = 2000.0}};
+       .budget = {.max_bytes_per_s = 2000.0,
+                  .max_bytes_per_s_high_loss = 4000.0,
+                  .high_loss = 0.75,
+                  .min_bytes_per_s = 300.0,
+                  .burst_bytes = 2000.0,
+                  .max_queueing_s = 0.2,
+                  .increase_bytes_per_s2 = 100.0,
+                  .decrease = 0.7,
+                  .shortest_memory_s = 120.0}}};
   SubmapReceiver received_;
 };
 
@@ -66,19 +71,19 @@ TEST_F(AnswerSenderTest, SendsAnAnswerWithItsCorrectionAtOnceAndNumbersIt) {
 }
 
 TEST_F(AnswerSenderTest, RepeatsTheMoreOftenTheMoreAnswersGetLost) {
-  sender_.note({.newest = 0, .loss = 0.0});
+  sender_.note({.newest = 0, .loss = 0.0, .age = {}}, {});
   sender_.set(some_answer());
   EXPECT_EQ(count(0.0, 3.9), 4);
-  sender_.note({.newest = 0, .loss = 0.1});
+  sender_.note({.newest = 0, .loss = 0.1, .age = {}}, {});
   sender_.set(some_answer());
   EXPECT_EQ(count(10.0, 12.9), 15);
 }
 
 TEST_F(AnswerSenderTest, RepeatsUntilTheRobotHasIt) {
-  sender_.note({.newest = 0, .loss = 0.5});
+  sender_.note({.newest = 0, .loss = 0.5, .age = {}}, {});
   sender_.set(some_answer());
   EXPECT_GT(count(0.0, 1.0), 3);
-  sender_.note({.newest = 1, .loss = 0.5});
+  sender_.note({.newest = 1, .loss = 0.5, .age = {}}, {});
   EXPECT_EQ(count(1.0, 5.0), 0);
 }
 
@@ -86,7 +91,7 @@ TEST_F(AnswerSenderTest, ReceiptsOfEarlierAnswersEndNothing) {
   sender_.set(some_answer());
   EXPECT_TRUE(sent(0));
   sender_.set(some_answer());
-  sender_.note({.newest = 1, .loss = 0.5});
+  sender_.note({.newest = 1, .loss = 0.5, .age = {}}, {});
   EXPECT_GT(count(1.0, 2.0), 3);
 }
 
@@ -103,7 +108,7 @@ TEST_F(AnswerSenderTest, ARepetitionAcknowledgesWhatHasArrivedAndTellsHowLongAgo
 }
 
 TEST_F(AnswerSenderTest, StaysWithinItsBudget) {
-  sender_.note({.newest = 0, .loss = 0.5});
+  sender_.note({.newest = 0, .loss = 0.5, .age = {}}, {});
   std::size_t bytes = 0;
   for (double s = 0.0; s < 60.0; s += 0.01) {
     if (static_cast<int>(100 * s + 0.5) % 10 == 0) sender_.set(some_answer());  // far too often
@@ -112,6 +117,21 @@ TEST_F(AnswerSenderTest, StaysWithinItsBudget) {
   }
   EXPECT_LT(static_cast<double>(bytes), 2000.0 * 62.0);
   EXPECT_GT(static_cast<double>(bytes), 1000.0 * 60.0);
+}
+
+TEST_F(AnswerSenderTest, SendsLessWhileTheDownlinkQueues) {
+  std::uint32_t newest = 0;
+  const auto rate_with_delay = [&](double from_s, double delay_s) {
+    for (double s = from_s; s < from_s + 20.0; s += 0.5) {
+      sender_.set(some_answer());
+      newest = sent(s)->result.number;
+      sender_.note({.newest = newest, .loss = 0.0, .age = std::chrono::milliseconds(100)},
+                   at(s + delay_s + 0.1));
+    }
+    return sender_.budget().bytes_per_s();
+  };
+  EXPECT_EQ(rate_with_delay(0.0, 0.2), 2000.0);
+  EXPECT_LT(rate_with_delay(30.0, 1.2), 1500.0);
 }
 
 TEST_F(AnswerSenderTest, WhatCannotBeEncodedIsDroppedAndNamed) {

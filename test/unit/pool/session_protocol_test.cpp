@@ -47,10 +47,15 @@ class SessionProtocolTest : public testing::Test {
                                            .min_interval_s = 0.2,
                                            .full_rate_loss = 0.3},
                         .max_payload_bytes = 480,
-                        .max_bytes_per_s = 2000.0,
-                        .max_bytes_per_s_high_loss = 4000.0,
-                        .high_loss = 0.75,
-                        .burst_bytes = 2000.0},
+                        .budget = {.max_bytes_per_s = 2000.0,
+                                   .max_bytes_per_s_high_loss = 4000.0,
+                                   .high_loss = 0.75,
+                                   .min_bytes_per_s = 300.0,
+                                   .burst_bytes = 2000.0,
+                                   .max_queueing_s = 0.2,
+                                   .increase_bytes_per_s2 = 100.0,
+                                   .decrease = 0.7,
+                                   .shortest_memory_s = 120.0}},
             .sessions = {.settling_s = 5.0, .silence_s = 20.0, .max_robots = 10}};
   }
 

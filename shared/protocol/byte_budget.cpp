@@ -1,4 +1,4 @@
-#include "robot/uplink/byte_budget.hpp"
+#include "shared/protocol/byte_budget.hpp"
 
 #include <algorithm>
 

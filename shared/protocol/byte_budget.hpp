@@ -12,9 +12,9 @@ namespace fleetloc {
 
 class ConfigReader;
 
-/// How many bytes may be sent: a token bucket, whose rate follows the queueing delay of the link.
-/// While round trips are about as short as the shortest, the rate grows by constant steps; when
-/// they get longer, it is cut to a share of what the link has passed lately, which shares a
+/// How many bytes one end may send: a token bucket, whose rate follows the queueing delay of the
+/// link. While round trips are about as short as the shortest, the rate grows by constant steps;
+/// when they get longer, it is cut to a share of what the link has passed lately, which shares a
 /// bottleneck evenly among robots that know nothing of each other (Chiu and Jain, 1989; delay as
 /// the signal: LEDBAT, RFC 6817). Loss is no sign of congestion here: radio links lose at any rate.
 class ByteBudget {
@@ -36,13 +36,13 @@ class ByteBudget {
   /// To be called before the others, with the link's loss.
   void advance(Timestamp now, double loss);
 
-  /// Of a sample and its answer, without the time spent in the cloud.
+  /// There and back, without the time spent at the other end.
   void measured(Duration round_trip, Timestamp now);
 
   [[nodiscard]] bool allows(std::size_t bytes) const { return tokens_.allows(bytes); }
   void spend(std::size_t bytes) { tokens_.spend(bytes); }
 
-  /// Bytes on top, once: a localizer takes over and needs all that the robot has.
+  /// Bytes on top, once.
   void grant(std::size_t bytes) { tokens_.grant(bytes); }
 
   [[nodiscard]] double bytes_per_s() const { return rate_; }
