@@ -36,6 +36,13 @@ void SubmapSender::prepare(Submap& submap, Timestamp now) {
   if (in_flight_.size() > kMaxInFlight) in_flight_.erase(in_flight_.begin());
 }
 
+bool SubmapSender::is_of_sent(const Acknowledgements& acknowledgements) const {
+  const int span =
+      acknowledgements.bitmap == 0 ? 0 : 64 - std::countl_zero(acknowledgements.bitmap);
+  const auto base = static_cast<std::uint64_t>(acknowledgements.base);
+  return base + static_cast<std::uint64_t>(span) <= next_number_;
+}
+
 std::optional<Duration> SubmapSender::acknowledge(const LocalizationResult& answer, Timestamp now) {
   if (!is_of_stream(answer)) return std::nullopt;
   const auto base = static_cast<std::uint32_t>(answer.acknowledgements.base);

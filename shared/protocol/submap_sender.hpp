@@ -41,9 +41,11 @@ class SubmapSender {
   /// link of which nothing is known.
   [[nodiscard]] double expected_loss(Timestamp now) const;
 
-  /// Whether the answer's acknowledgements are of this session and incarnation.
+  /// Whether the answer's acknowledgements are of this session and incarnation, and of samples that
+  /// were sent: a wrong number far ahead would make all that follow look old.
   [[nodiscard]] bool is_of_stream(const LocalizationResult& answer) const {
-    return answer.session == session_ && answer.incarnation == incarnation_;
+    return answer.session == session_ && answer.incarnation == incarnation_ &&
+           is_of_sent(answer.acknowledgements);
   }
 
   [[nodiscard]] std::uint32_t sent() const { return next_number_; }
@@ -54,6 +56,8 @@ class SubmapSender {
     KeyframeId newest{};
     bool is_acknowledged = false;
   };
+
+  [[nodiscard]] bool is_of_sent(const Acknowledgements& acknowledgements) const;
 
   SessionNumber session_{};
   Incarnation incarnation_{};

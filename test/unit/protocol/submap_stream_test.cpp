@@ -165,6 +165,25 @@ TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
   EXPECT_EQ(submap.number, SampleNumber{10});  // the session's
 }
 
+TEST(SubmapSender, ItIsNotDeafenedByAnAcknowledgementOfWhatWasNeverSent) {
+  SubmapSender sender;
+  SubmapReceiver receiver;
+  sender.restart(SessionNumber{1}, Incarnation{1});
+  LocalizationResult wrong;
+  wrong.session = SessionNumber{1};
+  wrong.incarnation = Incarnation{1};
+  wrong.acknowledgements = {SampleNumber{4'000'000'000}, 1};
+  EXPECT_FALSE(sender.is_of_stream(wrong));
+  sender.acknowledge(wrong, at(0));
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    Submap submap = with_keyframe(i);
+    sender.prepare(submap, at(0));
+    if (i == 0 || i == 9) receiver.store(submap.number, at(0));
+  }
+  sender.acknowledge(answer_to(9, receiver), at(1));
+  EXPECT_GT(sender.loss(), 0.5);
+}
+
 TEST(SubmapSender, KnowsWhatAwaitsAnAnswer) {
   SubmapSender sender;
   SubmapReceiver receiver;
