@@ -3,16 +3,22 @@
 #include <bit>
 
 namespace fleetloc {
+namespace {
+
+std::uint32_t distance(std::uint32_t a, std::uint32_t b) {
+  return a > b ? a - b : b - a;
+}
+
+}  // namespace
 
 bool SubmapReceiver::is_new(SampleNumber number) {
   const auto n = static_cast<std::uint32_t>(number);
-  if (n < base_) return false;
-  if (bitmap_ != 0 && n - base_ > kFarAhead) {
-    const bool is_confirmed =
-        far_ahead_ && n != *far_ahead_ && n - *far_ahead_ + kFarAhead < 2 * kFarAhead;
-    far_ahead_ = n;
+  if (bitmap_ != 0 && distance(n, base_) > kFar) {
+    const bool is_confirmed = far_ && n != *far_ && distance(n, *far_) < kFar;
+    far_ = n;
     return is_confirmed;
   }
+  if (n < base_) return false;
   return n - base_ >= 64 || ((bitmap_ >> (n - base_)) & 1U) == 0;
 }
 
@@ -20,8 +26,12 @@ bool SubmapReceiver::is_new(SampleNumber number) {
 // share of gaps can be read from it.
 void SubmapReceiver::store(SampleNumber number, Timestamp now) {
   const auto n = static_cast<std::uint32_t>(number);
-  if (n < base_) return;
-  if (bitmap_ == 0) base_ = n;  // the first one
+  const bool is_far_behind = n < base_ && base_ - n > kFar;
+  if (n < base_ && !is_far_behind) return;
+  if (bitmap_ == 0 || is_far_behind) {
+    base_ = n;  // the first one
+    bitmap_ = 0;
+  }
   if (n - base_ >= 64) {
     const std::uint32_t shift = n - base_ - 63;
     bitmap_ = shift < 64 ? bitmap_ >> shift : 0;

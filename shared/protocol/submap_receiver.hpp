@@ -12,14 +12,14 @@ namespace fleetloc {
 /// were stored. The acknowledgements cover the latest 64 sample numbers; what is older and was
 /// never stored is given up and counts as lost.
 ///
-/// A number far ahead of the others is believed only when a second one is near it: a single wrong
-/// sample must not make all that follow look old.
+/// A number far from the others, ahead or behind, is believed only when a second one is near it: a
+/// single wrong sample must not make all that follow look old, and the first one may be wrong.
 class SubmapReceiver {
  public:
-  static constexpr std::uint32_t kFarAhead = 1024;
+  static constexpr std::uint32_t kFar = 1024;
 
   /// False for a number that was stored before, that is too old to tell, or that is the first one
-  /// far ahead.
+  /// far from the others.
   bool is_new(SampleNumber number);
 
   /// To be called after the sample has been validated and stored.
@@ -42,7 +42,7 @@ class SubmapReceiver {
  private:
   std::uint32_t base_ = 0;  // everything below is stored, given up or before the first
   std::uint64_t bitmap_ = 0;
-  std::optional<std::uint32_t> far_ahead_;  // the latest such number
+  std::optional<std::uint32_t> far_;  // the latest such number
   std::optional<Timestamp> newest_stored_;
 };
 

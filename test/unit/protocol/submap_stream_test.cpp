@@ -69,6 +69,17 @@ TEST(SubmapReceiver, FarJumpsForgetWhatIsOlder) {
   EXPECT_TRUE(receiver.is_new(SampleNumber{3'999'999'999}));
 }
 
+TEST(SubmapReceiver, ItIsNotDeafenedByAFirstNumberThatIsFarAhead) {
+  SubmapReceiver receiver;
+  receiver.store(SampleNumber{4'000'000'000}, {});
+  EXPECT_FALSE(receiver.is_new(SampleNumber{7})) << "it might be a late one";
+  EXPECT_TRUE(receiver.is_new(SampleNumber{8}));
+  receiver.store(SampleNumber{8}, {});
+  EXPECT_EQ(receiver.acknowledgements().base, SampleNumber{8});
+  EXPECT_EQ(receiver.acknowledgements().bitmap, 1U);
+  EXPECT_TRUE(receiver.is_new(SampleNumber{9}));
+}
+
 TEST(SubmapReceiver, MeasuresTheShareThatIsLost) {
   SubmapReceiver receiver;
   EXPECT_EQ(receiver.loss(), 0.0);
