@@ -25,7 +25,9 @@ void AnswerSender::reset() {
 }
 
 void AnswerSender::note(const AnswerReceipt& receipt, Timestamp now) {
-  receipt_ = receipt;
+  receipt_.loss = receipt.loss;
+  if (receipt.newest > number_) return;
+  receipt_.newest = std::max(receipt_.newest, receipt.newest);
   const auto sent = sent_.find(receipt.newest);
   if (sent == sent_.end() || !receipt.age) return;
   budget_.measured(std::max(Duration{}, now - sent->second - *receipt.age), now);

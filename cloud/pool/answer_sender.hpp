@@ -36,7 +36,8 @@ class AnswerSender {
   void set(Answer answer);
   void reset();
 
-  /// What the robot tells of the answers that it has got.
+  /// What the robot tells of the answers that it has got. It may be late, and it may be of answers
+  /// that somebody else has sent in this localizer's name.
   void note(const AnswerReceipt& receipt, Timestamp now);
 
   [[nodiscard]] const ByteBudget& budget() const { return budget_; }

@@ -95,6 +95,21 @@ TEST_F(AnswerSenderTest, ReceiptsOfEarlierAnswersEndNothing) {
   EXPECT_GT(count(1.0, 2.0), 3);
 }
 
+TEST_F(AnswerSenderTest, AReceiptOfAnAnswerThatWasNeverSentEndsNothing) {
+  sender_.set(some_answer());
+  EXPECT_TRUE(sent(0));
+  sender_.note({.newest = 500, .loss = 0.5, .age = {}}, {});
+  EXPECT_GT(count(1.0, 2.0), 3);
+}
+
+TEST_F(AnswerSenderTest, ALateReceiptBeginsNothingAgain) {
+  sender_.set(some_answer());
+  EXPECT_TRUE(sent(0));
+  sender_.note({.newest = 1, .loss = 0.5, .age = {}}, {});
+  sender_.note({.newest = 0, .loss = 0.5, .age = {}}, {});
+  EXPECT_EQ(count(1.0, 3.0), 0);
+}
+
 TEST_F(AnswerSenderTest, ARepetitionAcknowledgesWhatHasArrivedAndTellsHowLongAgo) {
   received_.store(SampleNumber{5}, at(0.95));
   sender_.set(some_answer());
