@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 
 namespace fleetloc {
@@ -25,21 +26,8 @@ const SubmapKeyframe& reference_of(LandmarkId landmark, const Submap& submap) {
   return newest != submap.keyframes.rend() ? *newest : submap.keyframes.back();
 }
 
-// The observations of `item`, and those of `known` that its subset says nothing of.
-std::vector<StereoObservation> with_others(const SubmapKeyframe& item,
-                                           const std::vector<StereoObservation>& known) {
-  std::vector<StereoObservation> others;
-  std::ranges::copy_if(known, std::back_inserter(others), [&](const StereoObservation& one) {
-    return !item.subset.has(one.landmark, item.id);
-  });
-  std::vector<StereoObservation> all;
-  std::ranges::merge(item.observations,
-                     others,
-                     std::back_inserter(all),
-                     {},
-                     &StereoObservation::landmark,
-                     &StereoObservation::landmark);
-  return all;
+std::uint32_t half_of(LandmarkId landmark, KeyframeId keyframe) {
+  return ObservationSubset{2, 1}.has(landmark, keyframe) ? 1 : 0;
 }
 
 /// Keyframes that edges connect, as a forest of parents (Tarjan, 1975).
@@ -99,15 +87,31 @@ void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
     return;
   }
   const auto [place, is_new] = keyframes_.try_emplace(item.id);
-  if (!is_new && item.revision <= place->second.item.revision) {
+  Keyframe& known = place->second;
+  std::array<bool, 2> is_newer{};  // of either half of the observations
+  for (std::uint32_t half = 0; half < 2; ++half) {
+    const bool is_told = half % item.subset.stride == item.subset.offset;
+    is_newer[half] = is_told && (is_new || item.revision > known.halves[half]);
+    if (is_newer[half]) known.halves[half] = item.revision;
+  }
+  const bool replaces = is_new || item.revision > known.item.revision;
+  if (!replaces && !is_newer[0] && !is_newer[1]) {
     ++added.repeated;
     return;
   }
   unobserved_landmarks_ = unobserved_landmarks_ || !is_new;
-  std::vector<StereoObservation> merged = with_others(item, place->second.item.observations);
-  place->second.item = item;
-  place->second.item.observations = std::move(merged);
-  for (const StereoObservation& seen : item.observations) landmarks_.try_emplace(seen.landmark);
+  std::vector<StereoObservation> merged;
+  const auto is_kept = [&](const StereoObservation& one) {
+    return !is_newer[half_of(one.landmark, item.id)];
+  };
+  std::ranges::copy_if(known.item.observations, std::back_inserter(merged), is_kept);
+  std::ranges::copy_if(item.observations, std::back_inserter(merged), std::not_fn(is_kept));
+  std::ranges::sort(merged, {}, &StereoObservation::landmark);
+  if (replaces) known.item = item;
+  known.item.observations = std::move(merged);
+  for (const StereoObservation& seen : known.item.observations) {
+    landmarks_.try_emplace(seen.landmark);
+  }
   ++added.stored;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstddef>
 #include <map>
@@ -15,7 +16,8 @@ namespace fleetloc {
 
 /// The keyframes, observations, landmarks and edges that one robot has sent in one session, and the
 /// cloud's solution for them. Items are identified by their ids: the newer revision replaces the
-/// older one, and nothing is counted twice.
+/// older one, and nothing is counted twice. Either half of a keyframe's observations has a revision
+/// of its own, so that samples with one of them may come in any order.
 ///
 /// Bounded: what is older than the latest `window` keyframes is removed.
 class SessionDatabase {
@@ -26,6 +28,8 @@ class SessionDatabase {
 
   struct Keyframe {
     SubmapKeyframe item;
+    /// Of its observations, by ObservationSubset{2, i}: a sample may hold every second one.
+    std::array<Revision, 2> halves{};
     std::optional<Pose> T_map_body;  ///< the cloud's solution; a new revision does not reset it
   };
 

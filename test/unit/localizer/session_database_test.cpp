@@ -60,6 +60,24 @@ TEST(SessionDatabase, KeepsTheNewestRevisionAndCountsNothingTwice) {
   EXPECT_EQ(database.newest().item.revision, Revision{1});
 }
 
+TEST(SessionDatabase, TakesHalvesOfTheObservationsInAnyOrder) {
+  const auto half = [](unsigned offset, const std::vector<unsigned>& landmarks, unsigned revision) {
+    SubmapKeyframe item = keyframe(2, landmarks, revision);
+    item.subset = {.stride = 2, .offset = offset};
+    Submap submap;
+    submap.keyframes = {item};
+    return submap;
+  };
+  SessionDatabase database({.window = kWindow});
+  database.add(half(1, {3, 5}, 2));
+  EXPECT_EQ(database.add(half(0, {2, 4}, 1)), (SessionDatabase::Added{.stored = 1}));
+  EXPECT_EQ(database.newest().item.observations.size(), 4U);
+  EXPECT_EQ(database.newest().item.revision, Revision{2});
+  EXPECT_EQ(database.add(half(1, {3}, 1)), (SessionDatabase::Added{.repeated = 1}));
+  database.add(half(0, {4}, 3));
+  EXPECT_EQ(database.newest().item.observations.size(), 3U);
+}
+
 TEST(SessionDatabase, KeepsSolutionsWhenItemsAreSentAgain) {
   SessionDatabase database = row(1, 2);
   database.store_solution(KeyframeId{2}, at(20.0));
