@@ -169,6 +169,7 @@ void CloudClient::session_requested(const LocalizationResult& answer, Timestamp 
     static_cast<void>(selector_.update(status, now));
     return;
   }
+  uplink_.forget_deliveries();
   if (const auto announcement = announcer_.requested(now)) {
     announce(*announcement, localizer_, now);
   }

@@ -54,6 +54,11 @@ void SubmapUplink::restart(SessionNumber session, Incarnation incarnation) {
   budget_.grant(config_.handover_datagrams * config_.max_payload_bytes);
 }
 
+void SubmapUplink::forget_deliveries() {
+  record_.clear();
+  planned_.reset();
+}
+
 void SubmapUplink::add(Submap window) {
   if (config_.encoding == SubmapEncoding::kFull) {
     window_ = std::move(window);

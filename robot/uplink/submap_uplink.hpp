@@ -53,6 +53,9 @@ class SubmapUplink {
   /// A new stream of samples, to an incarnation of a localizer that has nothing of this session.
   void restart(SessionNumber session, Incarnation incarnation);
 
+  /// The localizer has lost what it had of this session; the stream goes on.
+  void forget_deliveries();
+
   /// The odometry's newest window.
   void add(Submap window);
 

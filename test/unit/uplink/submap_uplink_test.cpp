@@ -159,6 +159,15 @@ TEST_F(UplinkTest, AnotherLocalizerGetsAllKeyframesWithinSeconds) {
   EXPECT_GT(stored_share(), 0.95);
 }
 
+TEST_F(UplinkTest, ALocalizerThatHasLostTheSessionGetsAllKeyframesAgain) {
+  drive(50, 0.0);
+  stored_.clear();
+  received_ = {};
+  uplink_.forget_deliveries();
+  drive(8, 0.0);
+  EXPECT_GT(stored_share(), 0.95);
+}
+
 TEST_F(UplinkTest, ANewSessionSendsNothingOfTheOneBefore) {
   drive(20, 0.0);
   uplink_.start_session(some_stereo());
