@@ -106,6 +106,10 @@ void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes
     if (accepted.error() == PoolRefusal::kUnknownSession) early_.keep(sample, bytes, now);
     return report_.refuse(sample.robot, accepted.error(), now);
   }
+  // What is acknowledged is not sent again, so none of it may be dropped to make room.
+  if (!robots_.at(sample.robot).waiting.has_room(bytes, config_.waiting)) {
+    return report_.refuse(sample.robot, PoolRefusal::kOvertaken, now);
+  }
   auto submap = decode_submap(sample, (*accepted)->stereo);
   if (!submap) return report_.refuse(submap.error());
   protocol_.note(sample.robot, sample.receipt, now);
@@ -133,9 +137,10 @@ void LocalizerPool::receive_status(const RobotStatus& status, Timestamp now) {
   }
 }
 
+// Work that is dropped is the localization: the submaps were acknowledged.
 std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
   for (const RobotId& robot : scheduler_.drop_stale(now)) {
-    report_.of(robot).refuse(PoolRefusal::kStale, robots_.at(robot).waiting.clear());
+    report_.of(robot).refuse(PoolRefusal::kStale, robots_.at(robot).waiting.set_aside());
   }
   const auto turn = scheduler_.take();
   if (!turn) return std::nullopt;

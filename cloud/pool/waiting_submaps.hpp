@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,6 +35,21 @@ class WaitingSubmaps {
     return dropped;
   }
 
+  /// Whether one more drops nothing.
+  [[nodiscard]] bool has_room(std::size_t bytes, const Limits& limits) const {
+    return waiting_.size() < limits.max_submaps &&
+           (waiting_.empty() || bytes_ + bytes <= limits.max_bytes);
+  }
+
+  /// Nobody waits for these any more; but they stay, to be taken with what comes.
+  /// @return how many there were
+  std::size_t set_aside() {
+    std::size_t count = 0;
+    for (const Waiting& waiting : waiting_) count += waiting.received ? 1U : 0U;
+    for (Waiting& waiting : waiting_) waiting.received.reset();
+    return count;
+  }
+
   /// All of them, in the order in which they came.
   std::vector<Submap> take() {
     std::vector<Submap> submaps;
@@ -47,13 +64,17 @@ class WaitingSubmaps {
     return std::exchange(waiting_, {}).size();
   }
 
-  /// When the oldest came. Expects that there is one.
-  [[nodiscard]] Timestamp oldest() const { return waiting_.front().received; }
+  /// When the oldest that is not set aside came. Expects that there is one.
+  [[nodiscard]] Timestamp oldest() const {
+    return *std::ranges::find_if(waiting_, [](const Waiting& waiting) {
+              return waiting.received.has_value();
+            })->received;
+  }
 
  private:
   struct Waiting {
     Submap submap;
-    Timestamp received;
+    std::optional<Timestamp> received;
     std::size_t bytes{};
   };
 

@@ -30,6 +30,28 @@ TEST(WaitingSubmaps, AreTakenInTheOrderInWhichTheyCame) {
   EXPECT_TRUE(waiting.take().empty());
 }
 
+TEST(WaitingSubmaps, ThatAreSetAsideAreTakenWithTheNextAndNoLongerCountAsWaiting) {
+  WaitingSubmaps waiting;
+  waiting.push(submap(0), 10, at(0), kLimits);
+  waiting.push(submap(1), 10, at(1), kLimits);
+  EXPECT_EQ(waiting.set_aside(), 2);
+  EXPECT_EQ(waiting.set_aside(), 0);
+  waiting.push(submap(2), 10, at(9), kLimits);
+  EXPECT_EQ(waiting.oldest(), at(9));
+  EXPECT_EQ(waiting.take().size(), 3);
+}
+
+TEST(WaitingSubmaps, TellWhetherThereIsRoom) {
+  WaitingSubmaps waiting;
+  EXPECT_TRUE(waiting.has_room(5000, kLimits)) << "a single one may have more";
+  waiting.push(submap(0), 600, at(0), kLimits);
+  EXPECT_FALSE(waiting.has_room(500, kLimits));
+  EXPECT_TRUE(waiting.has_room(400, kLimits));
+  waiting.push(submap(1), 10, at(0), kLimits);
+  waiting.push(submap(2), 10, at(0), kLimits);
+  EXPECT_FALSE(waiting.has_room(1, kLimits));
+}
+
 TEST(WaitingSubmaps, DropTheOldestOfTooMany) {
   WaitingSubmaps waiting;
   for (std::uint32_t i = 0; i < 3; ++i) waiting.push(submap(i), 10, at(0), kLimits);
