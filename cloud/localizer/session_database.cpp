@@ -81,6 +81,11 @@ SessionDatabase::Added SessionDatabase::add(const Submap& submap) {
   return added;
 }
 
+void SessionDatabase::forget_solutions() {
+  for (auto& [id, keyframe] : keyframes_) keyframe.T_map_body.reset();
+  for (auto& [id, landmark] : landmarks_) landmark.p_map.reset();
+}
+
 void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
   if (item.id < horizon_) {
     ++added.stale;

@@ -56,6 +56,9 @@ class SessionDatabase {
 
   Added add(const Submap& submap);
 
+  /// What the robot has sent stays.
+  void forget_solutions();
+
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
   /// The keyframes that edges connect with the newest one, oldest first.

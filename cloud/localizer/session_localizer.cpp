@@ -29,6 +29,12 @@ void SessionLocalizer::add(const Submap& submap) {
   dead_reckoning_.follow(database_.keyframes());
 }
 
+void SessionLocalizer::take_over(const SessionDatabase& database) {
+  database_ = database;
+  database_.forget_solutions();
+  dead_reckoning_.follow(database_.keyframes());
+}
+
 // The localization on the cloud as the paper has it: a window of the database is moved into the map
 // (eq. 12), its landmarks are associated with the map's points (eq. 13 to 15), and E_loc (eq. 16)
 // is optimized.

@@ -66,6 +66,9 @@ class SessionLocalizer {
 
   void add(const Submap& submap);
 
+  /// Starts with what the robot has sent of this session before, when it had another start.
+  void take_over(const SessionDatabase& database);
+
   /// Localizes the newest keyframe; at least one submap must have been added. Robot, session,
   /// localizer, incarnation, acknowledgements and holding time of the answer are the caller's. A
   /// rejection leaves the stored solution as it was.

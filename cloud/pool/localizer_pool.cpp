@@ -82,8 +82,13 @@ void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) 
 void LocalizerPool::open(const RobotSession& session, SessionProtocol::Change change) {
   using Change = SessionProtocol::Change;
   Robot& robot = robots_[session.robot];
-  robot.localizer = std::make_shared<SessionLocalizer>(session, map_, config_.localizer);
-  if (change == Change::kNewStart) return;
+  const auto before = std::exchange(
+      robot.localizer, std::make_shared<SessionLocalizer>(session, map_, config_.localizer));
+  if (change == Change::kNewStart) {  // the first of them has the data, unless it was taken over
+    if (!robot.predecessor) robot.predecessor = before;
+    return;
+  }
+  robot.predecessor.reset();
   robot.waiting.clear();
   scheduler_.drop_work(session.robot);
   if (change == Change::kOpened) report_.open(session.robot);
@@ -150,15 +155,21 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
              .received = robot.waiting.oldest(),
              .started = now,
              .session = robot.localizer,
+             .predecessor = std::exchange(robot.predecessor, nullptr),
              .submaps = robot.waiting.take(),
              .correction = {},
              .error = {}};
 }
 
+void LocalizerPool::take_over(Job& job) {
+  if (job.predecessor) job.session->take_over(job.predecessor->database());
+  for (const Submap& submap : job.submaps) job.session->add(submap);
+}
+
 // An exception ends the job of one robot only.
 LocalizationResult LocalizerPool::run(Job& job) {
   try {
-    for (const Submap& submap : job.submaps) job.session->add(submap);
+    take_over(job);
     LocalizationResult answer = job.session->localize();
     job.correction = job.session->correction();
     return answer;

@@ -44,6 +44,8 @@ class LocalizerPool {
     Timestamp received;      ///< the oldest of the submaps
     Timestamp started;
     std::shared_ptr<SessionLocalizer> session;
+    /// Of the same session with another start: what it has stored goes over to `session`.
+    std::shared_ptr<const SessionLocalizer> predecessor;
     std::vector<Submap> submaps;
     std::optional<Correction> correction;  ///< what run() found beside the answer
     std::string error;                     ///< why run() failed; empty: it did not
@@ -59,6 +61,9 @@ class LocalizerPool {
   /// A job of the robot that has used the least worker time, of those that wait and have none
   /// running.
   std::optional<Job> take_job(Timestamp now);
+
+  /// Stores the submaps of a job; the first part of run().
+  static void take_over(Job& job);
 
   /// Does the work of a job. Static, since it may run beside everything else.
   static LocalizationResult run(Job& job);
@@ -85,6 +90,7 @@ class LocalizerPool {
  private:
   struct Robot {
     std::shared_ptr<SessionLocalizer> localizer;
+    std::shared_ptr<const SessionLocalizer> predecessor;  // see Job
     WaitingSubmaps waiting;
   };
 

@@ -160,6 +160,24 @@ TEST_F(ManyRobots, ANewerStartPoseIsTakenUntilTheRobotIsLocalized) {
   EXPECT_EQ(job->session, localizer) << "it knows better";
 }
 
+TEST_F(ManyRobots, ANewerStartPoseLosesNothingThatWasAcknowledged) {
+  RobotSession session = session_of("a");
+  open(session, 0.0);
+  for (std::uint32_t i = 0; i < 5; ++i) send(submap_of(session, i), 0.1);
+  auto job = pool_.take_job(at(0.1));
+  LocalizationResult rejected = LocalizerPool::run(*job);
+  pool_.finish(*job, std::move(rejected), 1.0, at(0.2));
+  for (const double x : {1.0, 2.0}) {  // the second comes before there was work
+    session.start = MapOdomEstimate{};
+    session.start->T_map_odom.p.x() = x;
+    open(session, 0.3);
+  }
+  send(submap_of(session, 5), 0.4);
+  job = pool_.take_job(at(0.4));
+  LocalizerPool::run(*job);
+  EXPECT_EQ(job->session->database().keyframes().size(), 6);
+}
+
 TEST_F(ManyRobots, WorkThatHasWaitedTooLongIsDroppedAndCounted) {
   const RobotSession session = session_of("a");
   open(session, 0.0);
