@@ -1,7 +1,6 @@
 #include "robot/cloud_client/cloud_client.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "shared/compact/answer_sample.hpp"
@@ -13,12 +12,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::size_t kMaxEvents = 100;  // further ones are dropped
-
-// Answers with equal identity are repetitions.
-auto identity(const LocalizationResult& answer) {
-  return std::tuple(
-      answer.localizer, answer.incarnation, answer.keyframe, answer.revision, answer.status);
-}
+constexpr std::size_t kMaxGiven = 64;    // some ten seconds: repetitions may be late
 
 }  // namespace
 
@@ -36,7 +30,7 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   announcer_.set_encoding(uplink_.encoding());
   uplink_.start_session(session.stereo);
   session_started_ = now;
-  newest_.reset();
+  given_.clear();
   correction_.reset();
   corrected_anchor_.reset();
   if (!localizer_.empty()) return start_stream(now);
@@ -104,6 +98,10 @@ void CloudClient::receive_correction(Correction correction) {
   correction_ = std::move(correction);
 }
 
+CloudClient::AnswerIdentity CloudClient::identity(const LocalizationResult& answer) {
+  return {answer.localizer, answer.incarnation, answer.keyframe, answer.revision, answer.status};
+}
+
 std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
   auto decoded = decode_answer(payload);
   if (!decoded) {
@@ -125,9 +123,10 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
   uplink_.acknowledge(answer, now);
   note_receipt(answer, now);
   if (decoded->correction) receive_correction(*std::move(decoded->correction));
-  if (newest_ && identity(*newest_) == identity(answer)) return std::nullopt;  // repeated
+  if (std::ranges::find(given_, identity(answer)) != given_.end()) return std::nullopt;  // repeated
+  given_.push_back(identity(answer));
+  if (given_.size() > kMaxGiven) given_.pop_front();
   if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
-  newest_ = answer;
   ++statistics_.answers_received;
   return std::move(answer);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -68,6 +70,11 @@ class CloudClient final : public MapLocalizer {
   std::vector<std::string> take_events();
 
  private:
+  /// Answers with an equal one are repetitions.
+  using AnswerIdentity =
+      std::tuple<std::string, Incarnation, KeyframeId, Revision, LocalizationStatus>;
+
+  static AnswerIdentity identity(const LocalizationResult& answer);
   void receive_status(const Bytes& payload, Timestamp now);
   void receive_correction(Correction correction);
   void note_receipt(const LocalizationResult& answer, Timestamp now);
@@ -104,7 +111,7 @@ class CloudClient final : public MapLocalizer {
   StatusTimer status_timer_;
   SubmapReceiver answers_;                      // by their numbers
   AnswerReceipt receipt_;                       // what the localizer is told of them
-  std::optional<LocalizationResult> newest_;    // of this session
+  std::deque<AnswerIdentity> given_;            // the latest answers of this session
   std::optional<Correction> correction_;        // not yet consumed
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
   std::string other_map_;  // the localizer that was last reported to have another map

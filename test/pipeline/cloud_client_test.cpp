@@ -95,6 +95,16 @@ TEST_F(CloudClientTest, GivesARepeatedAnswerOnce) {
   EXPECT_EQ(client_.take_answers(at(120)).size(), 1);
 }
 
+TEST_F(CloudClientTest, GivesARepeatedAnswerOnceAlsoBehindANewerOne) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  static_cast<void>(client_.take_answers(at(10)));
+  for (const std::uint32_t keyframe : {7U, 8U, 7U, 8U, 7U}) {
+    idle_->send("robot", {Topic::kLocalization, encode(answer("idle", keyframe))}, at(20));
+  }
+  EXPECT_EQ(client_.take_answers(at(100)).size(), 2);
+}
+
 TEST_F(CloudClientTest, KeepsTheNewestCorrectionUntilItIsTaken) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));
