@@ -30,8 +30,15 @@ class AnswerSender {
     ByteBudget::Config budget;
   };
 
-  explicit AnswerSender(const Config& config)
-      : config_(config), retransmission_(config.retransmission), budget_(config.budget) {}
+  /// @param number  of the last sample that the robot may have got from this localizer
+  explicit AnswerSender(const Config& config, std::uint32_t number = 0)
+      : config_(config),
+        number_(number),
+        retransmission_(config.retransmission),
+        budget_(config.budget) {}
+
+  /// Of the last sample.
+  [[nodiscard]] std::uint32_t number() const { return number_; }
 
   void set(Answer answer);
   void reset();

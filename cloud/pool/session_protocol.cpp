@@ -67,7 +67,7 @@ expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::open(const Robot
     sessions_.emplace(session.robot,
                       Session{.announced = session,
                               .receiver = {},
-                              .answers = AnswerSender(config_.answers),
+                              .answers = AnswerSender(config_.answers, last_number_),
                               .last_message = now});
     unknown_robots_.erase(session.robot);
     expected_.push_back(session.robot);
@@ -222,6 +222,7 @@ LocalizerStatus SessionProtocol::localizer_status(double load) const {
 
 Timestamp SessionProtocol::end(const RobotId& robot) {
   const auto session = sessions_.extract(robot);
+  last_number_ = std::max(last_number_, session.mapped().answers.number());
   return session.mapped().last_message;
 }
 

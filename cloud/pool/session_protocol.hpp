@@ -120,6 +120,7 @@ class SessionProtocol {
   Config config_;
   SessionRegister register_;
   std::map<RobotId, Session> sessions_;
+  std::uint32_t last_number_ = 0;  // of an answer in any session that has ended
   std::map<RobotId, UnknownRobot> unknown_robots_;
   std::vector<RobotId> expected_;
   StatusTimer status_timer_;
