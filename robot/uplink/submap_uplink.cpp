@@ -137,7 +137,7 @@ std::optional<SubmapUplink::Plan> SubmapUplink::plan_newest() const {
       keyframes.push_back(all[i].id);
     }
   }
-  return fitted(keyframes, true);
+  return fitted(keyframes, keyframes.size() - 1, true);
 }
 
 // Around the keyframe that is most probably missing, those next to it.
@@ -155,8 +155,9 @@ std::optional<SubmapUplink::Plan> SubmapUplink::plan_missing() const {
   while (last != all.end() && last - first < window && is_wanted(*last)) ++last;
   while (first != all.begin() && last - first < window && is_wanted(*std::prev(first))) --first;
   std::vector<KeyframeId> keyframes;
+  const auto needed = static_cast<std::size_t>(at - first);
   for (; first != last; ++first) keyframes.push_back(first->id);
-  return fitted(keyframes, false);
+  return fitted(keyframes, needed, false);
 }
 
 std::optional<KeyframeId> SubmapUplink::most_missing() const {
@@ -197,6 +198,7 @@ std::vector<EdgeKey> SubmapUplink::edges_for(std::span<const KeyframeId> keyfram
 // All of them, if one datagram holds them and the budget brings one for each keyframe. Else every
 // second observation, which one tells the sample's number, of as many of the newest as fit.
 std::optional<SubmapUplink::Plan> SubmapUplink::fitted(const std::vector<KeyframeId>& keyframes,
+                                                       std::size_t needed,
                                                        bool with_newest) const {
   std::size_t bytes = 0;
   Plan all = plan(keyframes, with_newest, {.subset = {}, .step_bits = config_.step_bits}, bytes);
@@ -211,7 +213,8 @@ std::optional<SubmapUplink::Plan> SubmapUplink::fitted(const std::vector<Keyfram
   std::size_t too_many = keyframes.size() + 1;
   while (fits + 1 < too_many) {
     const std::size_t count = fits == 0 ? too_many - 1 : (fits + too_many) / 2;
-    Plan some = plan(std::span(keyframes).last(count), with_newest, thinned, bytes);
+    const std::size_t begin = std::min(needed, keyframes.size() - count);
+    Plan some = plan(std::span(keyframes).subspan(begin, count), with_newest, thinned, bytes);
     if (bytes <= config_.max_payload_bytes) {
       fits = count;
       best = std::move(some);

@@ -80,8 +80,10 @@ class SubmapUplink {
   std::optional<Message> next_sample(const AnswerReceipt& receipt, Timestamp now);
   std::optional<Plan> plan_newest() const;
   std::optional<Plan> plan_missing() const;
-  /// The newest of `keyframes` that fit one datagram, with the edges that the cloud lacks.
+  /// Those of `keyframes` that fit one datagram, the newest but with that at `needed`, with the
+  /// edges that the cloud lacks.
   [[nodiscard]] std::optional<Plan> fitted(const std::vector<KeyframeId>& keyframes,
+                                           std::size_t needed,
                                            bool with_newest) const;
   [[nodiscard]] Plan plan(std::span<const KeyframeId> keyframes,
                           bool with_newest,
