@@ -26,8 +26,11 @@ class TokenBucket {
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
 
-  /// Bytes on top of what is saved up, once.
-  void grant(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
+  /// Bytes on top of what is saved up; of several grants that were not used the last one counts.
+  void grant(std::size_t bytes) {
+    const auto granted = static_cast<double>(bytes);
+    tokens_ = std::min(tokens_, burst_bytes_) + granted;
+  }
 
  private:
   double burst_bytes_;
