@@ -25,7 +25,8 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
       uplink_(robot_, config.uplink),
       status_timer_(config.status) {}
 
-void CloudClient::start_session(const RobotSession& session, Timestamp now) {
+void CloudClient::start_session(const RobotSession& session, Timestamp clock) {
+  const Timestamp now = time_at(clock);
   announcer_.start(session);
   announcer_.set_encoding(uplink_.encoding());
   uplink_.start_session(session.stereo);
@@ -37,7 +38,13 @@ void CloudClient::start_session(const RobotSession& session, Timestamp now) {
   update_localizer(now);
 }
 
-void CloudClient::submit(Submap submap, Timestamp now) {
+Timestamp CloudClient::time_at(Timestamp clock) {
+  clock_ = clock;
+  return steady_(clock);
+}
+
+void CloudClient::submit(Submap submap, Timestamp clock) {
+  const Timestamp now = time_at(clock);
   if (localizer_.empty() || !announcer_.session()) ++statistics_.submaps_without_localizer;
   uplink_.add(std::move(submap));
   send_submap(now);
@@ -49,7 +56,7 @@ void CloudClient::send_submap(Timestamp now) {
     if (receipt_.newest != 0) receipt_.age = answers_.since_newest(now);
     auto message = uplink_.next(receipt_, now);
     if (!message) return;
-    channel_.send(localizer_, *std::move(message), now);
+    channel_.send(localizer_, *std::move(message), clock_);
     ++statistics_.submaps_sent;
     selector_.sent(now);
   } catch (const NotEncodable&) {  // out of range of the wire type; the next one may fit
@@ -57,16 +64,17 @@ void CloudClient::send_submap(Timestamp now) {
   }
 }
 
-std::vector<LocalizationResult> CloudClient::take_answers(Timestamp now) {
+std::vector<LocalizationResult> CloudClient::take_answers(Timestamp clock) {
+  const Timestamp now = time_at(clock);
   std::vector<LocalizationResult> answers;
-  for (const Message& message : channel_.receive(now)) {
+  for (const Message& message : channel_.receive(clock_)) {
     if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload, now);
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
   if (announcer_.session()) update_localizer(now);  // after the status messages
   if (!localizer_.empty()) {
-    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, localizer_, now);
+    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, localizer_);
   }
   send_submap(now);
   send_status(now);
@@ -170,7 +178,7 @@ void CloudClient::session_requested(const LocalizationResult& answer, Timestamp 
   }
   uplink_.forget_deliveries();
   if (const auto announcement = announcer_.requested(now)) {
-    announce(*announcement, localizer_, now);
+    announce(*announcement, localizer_);
   }
 }
 
@@ -224,7 +232,7 @@ void CloudClient::change_localizer(Timestamp now) {
        std::to_string(static_cast<std::uint32_t>(selector_.incarnation())) + ": " +
        selector_.reason());
   start_stream(now);
-  if (!left.empty() && left != localizer_) announce(*announcer_.session(), left, now);
+  if (!left.empty() && left != localizer_) announce(*announcer_.session(), left);
 }
 
 // The others are told of the session, too: so they are ready to answer.
@@ -233,7 +241,7 @@ void CloudClient::keep_connections(Timestamp now) {
   std::vector<std::string> wanted = selector_.standbys(connections_.standbys(), now);
   wanted.push_back(localizer_);
   for (const std::string& localizer : connections_.keep(wanted, now)) {
-    if (localizer != localizer_) announce(*announcer_.session(), localizer, now);
+    if (localizer != localizer_) announce(*announcer_.session(), localizer);
   }
 }
 
@@ -244,14 +252,12 @@ void CloudClient::start_stream(Timestamp now) {
   answers_ = {};
   receipt_ = {};
   uplink_.restart(announcer_.session()->session, selector_.incarnation());
-  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), localizer_, now);
+  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), localizer_);
 }
 
-void CloudClient::announce(const RobotSession& session,
-                           const std::string& localizer,
-                           Timestamp now) {
+void CloudClient::announce(const RobotSession& session, const std::string& localizer) {
   try {
-    channel_.send(localizer, {Topic::kSession, encode(session)}, now);
+    channel_.send(localizer, {Topic::kSession, encode(session)}, clock_);
   } catch (const NotEncodable&) {  // start out of range of the wire type
     refuse(MessageRefusal::kNotEncodable);
     announcer_.drop_start();
@@ -266,12 +272,12 @@ void CloudClient::send_status(Timestamp now) {
   const RobotStatus status{.robot = robot_,
                            .session = session->session,
                            .start_stamp = session->start_stamp,
-                           .stamp = now,
+                           .stamp = clock_,
                            .quality = quality_,
                            .submaps_sent = statistics_.submaps_sent,
                            .answers_applied = answers_applied_,
                            .round_trip = uplink_.sender().round_trip()};
-  channel_.send(localizer_, {Topic::kRobotStatus, encode(status)}, now);
+  channel_.send(localizer_, {Topic::kRobotStatus, encode(status)}, clock_);
 }
 
 void CloudClient::note(std::string event) {

@@ -19,6 +19,7 @@
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/protocol/status_timer.hpp"
+#include "shared/protocol/steady_time.hpp"
 #include "shared/protocol/submap_receiver.hpp"
 
 namespace fleetloc {
@@ -28,6 +29,8 @@ class ConfigReader;
 /// The robot's end of the protocol: selects a localizer, announces the session to it, sends submaps
 /// and returns each answer once. When the localizer stops answering, restarts or loses the session,
 /// the session is announced again with the newest estimate of T_map_odom.
+///
+/// The robot's clock may be set meanwhile, forward or back.
 ///
 /// From the first applied answer on, only localizers with that answer's map are used.
 class CloudClient final : public MapLocalizer {
@@ -55,9 +58,9 @@ class CloudClient final : public MapLocalizer {
 
   /// The next RobotStatus reports the quality.
   void update(Timestamp /*now*/, Quality quality) override { quality_ = quality; }
-  void start_session(const RobotSession& session, Timestamp now) override;
-  void submit(Submap submap, Timestamp now) override;
-  [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override;
+  void start_session(const RobotSession& session, Timestamp clock) override;
+  void submit(Submap submap, Timestamp clock) override;
+  [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp clock) override;
   [[nodiscard]] std::optional<Correction> take_correction() override {
     return std::exchange(correction_, std::nullopt);
   }
@@ -87,7 +90,7 @@ class CloudClient final : public MapLocalizer {
   void change_localizer(Timestamp now);
   void keep_connections(Timestamp now);
   void start_stream(Timestamp now);
-  void announce(const RobotSession& session, const std::string& localizer, Timestamp now);
+  void announce(const RobotSession& session, const std::string& localizer);
   void send_submap(Timestamp now);
   void send_status(Timestamp now);
   template <typename Reason>
@@ -97,8 +100,13 @@ class CloudClient final : public MapLocalizer {
   void note(std::string event);
   [[nodiscard]] LocalizerSelector::Link link() const;
 
+  /// Of the timers; to be called with every time that is passed in.
+  Timestamp time_at(Timestamp clock);
+
   RobotId robot_;
   Channel& channel_;
+  Timestamp clock_{};  // as it was passed in last
+  SteadyTime steady_;
   LocalizerSelector selector_;
   LocalizerConnections connections_;
   SessionAnnouncer announcer_;

@@ -182,6 +182,28 @@ TEST_F(CloudClientTest, AnnouncesItsSessionAgainWhenItIsAskedForWithTheNewestSta
   EXPECT_EQ(announcements, 2) << "one for the request, one repetition";
 }
 
+TEST_F(CloudClientTest, IsNeitherSilencedNorMadePatientByAClockThatIsSet) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  int samples = 0;
+  int clock = 10;
+  for (std::uint32_t keyframe = 0; keyframe < 60; ++keyframe) {
+    if (keyframe == 20) clock += 1'000'000;
+    if (keyframe == 40) clock -= 2'000'000;
+    client_.submit(submap_of(keyframe), at(clock));
+    if (keyframe == 19) continue;  // on its way while the clock is set
+    for (int i = 0; i < 50; ++i, clock += 10) {
+      static_cast<void>(client_.take_answers(at(clock)));
+      samples += count(idle_->receive(at(3'000'000)), Topic::kCompactSubmap);
+      if (i == 5) {
+        idle_->send("robot", {Topic::kLocalization, encode(answer("idle", keyframe))}, at(clock));
+      }
+    }
+  }
+  EXPECT_GT(samples, 50);
+  EXPECT_LT(to_seconds(*client_.statistics().round_trip), 2.0);
+}
+
 TEST_F(CloudClientTest, RepeatsAnAnnouncementAsItWasAndTellsTheNextLocalizerWhatIsKnownByThen) {
   RobotSession session = some_session();
   session.start = MapOdomEstimate{.T_map_odom = {}, .p_odom = {1.0, 0.0, 0.0}};
