@@ -17,6 +17,10 @@ class OwnDatagrams {
   /// False until it has sent one.
   [[nodiscard]] bool includes(RtpsBytes datagram) const;
 
+  /// Of any participant of this process, whose GUID prefixes begin alike; false until it has sent
+  /// one.
+  [[nodiscard]] bool are_of_same_process(RtpsBytes datagram) const;
+
  private:
   std::once_flag learned_;
   std::atomic<bool> is_known_ = false;

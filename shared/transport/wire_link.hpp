@@ -17,6 +17,8 @@ struct WireLink {
     if (link) emulated.emplace(role, *link);
   }
 
+  /// Participants of the same process are not discovered, so what they send here is no traffic.
+  bool ignores_own_process = false;
   std::optional<EmulatedLink> emulated;
   WireVersionWatch versions;
   ServerRestartDetector servers;

@@ -226,7 +226,10 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   const RtpsBytes datagram(buffer, size);
   const auto checked = check_rtps(datagram);
   if (!checked) return link_->traffic.malformed(checked.error());
-  if (own_.includes(datagram)) return receiver->OnDataReceived(buffer, size, local, remote);
+  if (own_.includes(datagram) ||
+      (link_->ignores_own_process && own_.are_of_same_process(datagram))) {
+    return receiver->OnDataReceived(buffer, size, local, remote);
+  }
   if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
   for (const Clock::time_point due : link_->emulated->incoming_at(size, Clock::now())) {
     delay_line_->at(

@@ -20,6 +20,17 @@ TEST(OwnDatagrams, AreThoseOfTheParticipantThatSends) {
   EXPECT_FALSE(own.includes(message_of({heartbeat(1, 2)}, kOther)));
 }
 
+TEST(OwnDatagrams, TellThoseOfTheSameProcess) {
+  const GuidPrefix own_prefix{1, 15, 7, 7, 5, 5, 9, 9, 0, 0, 0, 0};
+  const GuidPrefix sibling{1, 15, 7, 7, 5, 5, 9, 9, 1, 0, 0, 0};
+  const GuidPrefix stranger{1, 15, 7, 7, 5, 6, 9, 9, 1, 0, 0, 0};
+  OwnDatagrams own;
+  EXPECT_FALSE(own.are_of_same_process(message_of({}, sibling)));
+  own.sent(message_of({}, own_prefix));
+  EXPECT_TRUE(own.are_of_same_process(message_of({}, sibling)));
+  EXPECT_FALSE(own.are_of_same_process(message_of({}, stranger)));
+}
+
 TEST(OwnDatagrams, AreNoneBeforeTheFirstIsSent) {
   const OwnDatagrams own;
   EXPECT_FALSE(own.includes(message_of({}, kOwn)));
