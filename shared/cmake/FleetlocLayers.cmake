@@ -17,7 +17,7 @@ set(FLEETLOC_LAYERS
     "robot/runtime"
     "robot/run_folder"
     "robot/node cloud/node"
-    "deploy/config deploy/process deploy/monitor deploy/replay deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
+    "deploy/config deploy/process deploy/monitor deploy/topic deploy/replay deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
     "deploy/sim/sensors deploy/evaluation/report"
     "deploy/sim/recording deploy/evaluation/experiment"
     "deploy/tools")

@@ -1,5 +1,6 @@
 #include "shared/transport/topics.hpp"
 
+#include <array>
 #include <stdexcept>
 
 #include <idl/compact_submapPubSubTypes.h>
@@ -22,6 +23,13 @@ TopicSpec spec(const std::string& name, const std::string& qos_profile) {
 }
 
 const std::string kPrefix = "fleetloc/" + std::to_string(kWireVersion) + "/";
+constexpr const char* kPose = "fleetloc/pose";
+constexpr std::array kTopics{Topic::kSession,
+                             Topic::kSubmap,
+                             Topic::kCompactSubmap,
+                             Topic::kLocalization,
+                             Topic::kRobotStatus,
+                             Topic::kLocalizerStatus};
 
 template <typename PubSubType>
 TopicSpec to(const std::string& receiver, const std::string& topic, const std::string& qos) {
@@ -53,13 +61,30 @@ TopicSpec topic_spec(Topic topic, const std::string& receiver) {
 }
 
 TopicSpec pose_topic_spec(const std::string& robot) {
-  TopicSpec pose = spec<wire::PoseEstimatePubSubType>("fleetloc/pose", "pose");
+  TopicSpec pose = spec<wire::PoseEstimatePubSubType>(kPose, "pose");
   pose.partition = robot;
   return pose;
 }
 
 TopicSpec versions_topic_spec() {
   return spec<wire::LocalizerStatusPubSubType>("fleetloc/versions", "robot_status");
+}
+
+std::optional<std::pair<Topic, std::string>> topic_of(std::string_view name) {
+  if (!name.starts_with(kPrefix)) return std::nullopt;
+  const std::string_view rest = name.substr(kPrefix.size());
+  const std::string receiver(rest.substr(0, rest.find('/')));
+  for (const Topic topic : kTopics) {
+    if (topic_spec(topic, receiver).name != name) continue;
+    return std::pair(topic, topic == Topic::kLocalizerStatus ? std::string() : receiver);
+  }
+  return std::nullopt;
+}
+
+std::optional<TopicSpec> topic_spec_of(std::string_view name) {
+  if (name == kPose) return pose_topic_spec("*");
+  const auto topic = topic_of(name);
+  return topic ? std::optional(topic_spec(topic->first, topic->second)) : std::nullopt;
 }
 
 }  // namespace fleetloc

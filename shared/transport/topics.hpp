@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <fastdds/dds/topic/TypeSupport.hpp>
 
@@ -33,5 +36,11 @@ TopicSpec pose_topic_spec(const std::string& robot);
 /// `fleetloc/versions`, which every version has and on which nothing is sent: a discovery server
 /// tells only those of each other who share a topic.
 TopicSpec versions_topic_spec();
+
+/// The topic with this name, and its receiver; nothing if topic_spec() makes no such name.
+std::optional<std::pair<Topic, std::string>> topic_of(std::string_view name);
+
+/// The topic with this name; `fleetloc/pose` of all robots.
+std::optional<TopicSpec> topic_spec_of(std::string_view name);
 
 }  // namespace fleetloc

@@ -124,7 +124,8 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
                               FLEETLOC_MONITOR,
                               FLEETLOC_REPLAY,
                               FLEETLOC_EVAL,
-                              FLEETLOC_SIM}) {
+                              FLEETLOC_SIM,
+                              FLEETLOC_TOPIC}) {
     const std::string name = std::filesystem::path(program).filename();
     const Outcome help = run(program, {"--help"});
     EXPECT_EQ(help.exit_code, 0) << name;
@@ -221,6 +222,20 @@ TEST_F(CommandLine, IsCheckedByTheMapTool) {
   refused({"build", "--cloud", cloud, "--out", file("new.txt")}, file("new.txt"));
   refused({"build", "--cloud", cloud, "--out", out, "--config", file("wrong.yaml")},
           file("wrong.yaml") + ":2: tracking.no_such_key");
+}
+
+TEST_F(CommandLine, IsCheckedByTheTopicTool) {
+  const auto refused = [](const std::vector<std::string>& words, const std::string& culprit) {
+    expect_refused(FLEETLOC_TOPIC, words, culprit);
+  };
+  refused({}, "subcommand");
+  refused({"fold"}, "fold");
+  refused({"list", "--duration", "0"}, "--duration");
+  refused({"list", "--domain", "101"}, "101");
+  refused({"echo", "--qos", file("malformed.xml")}, file("malformed.xml"));
+  refused({"echo", "--qos", file("other.xml")}, "no participant has");
+  refused({"echo", "--qos", kLan, "--profile", "toaster"}, "toaster");
+  refused({"echo", "--no-such-option"}, "--no-such-option");
 }
 
 TEST_F(CommandLine, IsCheckedByTheEvaluation) {
