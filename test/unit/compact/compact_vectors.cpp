@@ -1,93 +1,23 @@
-// Writes samples of the compact encoding, each with the submap that they are decoded to: a line of
-// JSON each, doubles in hexadecimal. decode_submap.py has to come to the same.
+// Writes samples of the compact encoding, each with the submap or the answer that it is decoded to:
+// a line of JSON each, doubles in hexadecimal. decode_submap.py and decode_answer.py have to come
+// to the same.
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <idl/localization.h>
 
+#include "shared/compact/answer_sample.hpp"
+#include "shared/compact/compact_root.hpp"
 #include "shared/compact/submap_sample.hpp"
+#include "shared/wire/cdr.hpp"
 #include "test/unit/compact/moving_robot.hpp"
+#include "test/unit/compact/vector_json.hpp"
 
 namespace fleetloc {
 namespace {
-
-using nlohmann::json;
-
-std::string text(double value) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%a", value);
-  return buffer;
-}
-
-template <typename Values>
-json texts(const Values& values) {
-  json out = json::array();
-  for (const double value : values) out.push_back(text(value));
-  return out;
-}
-
-json rotation(const Eigen::Quaterniond& q) {
-  return texts(std::vector{q.w(), q.x(), q.y(), q.z()});
-}
-
-json vector(const Eigen::Vector3d& v) {
-  return texts(std::vector{v.x(), v.y(), v.z()});
-}
-
-json stereo_json(const RectifiedStereo& stereo) {
-  return {{"focal_px", text(stereo.focal_px)},
-          {"center_px", texts(std::vector{stereo.center_px.x(), stereo.center_px.y()})},
-          {"baseline_m", text(stereo.baseline_m)},
-          {"rotation", rotation(stereo.T_body_cam0.R)},
-          {"translation", vector(stereo.T_body_cam0.p)}};
-}
-
-json keyframe_json(const SubmapKeyframe& keyframe) {
-  json observations = json::array();
-  for (const StereoObservation& one : keyframe.observations) {
-    observations.push_back({static_cast<std::uint32_t>(one.landmark),
-                            text(one.left.x()),
-                            text(one.left.y()),
-                            text(one.disparity)});
-  }
-  return {{"id", static_cast<std::uint32_t>(keyframe.id)},
-          {"stamp_ns", keyframe.stamp.time_since_epoch().count()},
-          {"rotation", rotation(keyframe.T_odom_body.R)},
-          {"position", vector(keyframe.T_odom_body.p)},
-          {"tilt_sigma", text(keyframe.tilt_sigma)},
-          {"observations", observations}};
-}
-
-json edge_json(const VirtualEdge& edge) {
-  std::vector<double> translational;
-  for (int row = 3; row < 6; ++row) {
-    for (int column = 3; column < 6; ++column) {
-      translational.push_back(edge.information(row, column));
-    }
-  }
-  return {{"from", static_cast<std::uint32_t>(edge.from)},
-          {"to", static_cast<std::uint32_t>(edge.to)},
-          {"rotation", rotation(edge.T_from_to.R)},
-          {"translation", vector(edge.T_from_to.p)},
-          {"rotational", text(edge.information(0, 0))},
-          {"translational", texts(translational)}};
-}
-
-json submap_json(const Submap& submap) {
-  json keyframes = json::array();
-  json edges = json::array();
-  for (const SubmapKeyframe& keyframe : submap.keyframes) {
-    keyframes.push_back(keyframe_json(keyframe));
-  }
-  for (const VirtualEdge& edge : submap.edges) edges.push_back(edge_json(edge));
-  return {{"robot", submap.robot},
-          {"number", static_cast<std::uint32_t>(submap.number)},
-          {"keyframes", keyframes},
-          {"edges", edges}};
-}
 
 std::string hexadecimal(const Bytes& bytes) {
   std::string out;
@@ -142,16 +72,113 @@ void write_vectors(std::ostream& out) {
   }
 }
 
+// Numbers of any size, the same in each run: linear congruences (Knuth's MMIX).
+class Numbers {
+ public:
+  double operator()(double low, double high) {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return low + (high - low) * static_cast<double>(state_ >> 11U) / 9007199254740992.0;
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
+template <int N>
+Eigen::Matrix<double, N, N> some_information(Numbers& numbers) {
+  Eigen::Matrix<double, N, N> root;
+  for (int row = 0; row < N; ++row) {
+    for (int column = 0; column < N; ++column) root(row, column) = numbers(-40.0, 40.0);
+  }
+  root.template leftCols<3>() *= numbers(1.0, 300.0);
+  return root.transpose() * root;
+}
+
+Pose some_pose(Numbers& numbers, double size) {
+  const Eigen::Quaterniond R(numbers(-1, 1), numbers(-1, 1), numbers(-1, 1), numbers(-1, 1));
+  return {R.normalized(), {numbers(-size, size), numbers(-size, size), numbers(-size, size)}};
+}
+
+/// Answers with and without a pose; of the former, corrections of none to all items.
+Answer answer_of(Numbers& numbers, std::uint32_t number) {
+  Answer answer;
+  answer.result = {.robot = "robot_1",
+                   .session = SessionNumber{3},
+                   .localizer = "alpha",
+                   .incarnation = Incarnation{17},
+                   .number = number,
+                   .acknowledgements = {SampleNumber{number / 2}, 0x9000'0000'0000'0001U + number},
+                   .status = static_cast<LocalizationStatus>(number % 10),
+                   .keyframe = KeyframeId{200 + number},
+                   .revision = Revision{number},
+                   .stamp = Timestamp{Duration{1'000'000'007LL * number}},
+                   .oldest_stamp = Timestamp{Duration{900'000'000LL * number}},
+                   .map_hash = {1, 2, 3},
+                   .T_map_body = some_pose(numbers, 500.0),
+                   .covariance = some_information<6>(numbers).inverse(),
+                   .holding_time = std::chrono::milliseconds(number)};
+  if (number % 10 != 0) return answer;
+  Correction& correction = answer.correction.emplace();
+  correction.anchor = answer.result.keyframe;
+  for (std::uint32_t i = number / 10 % 7; i > 0; --i) {
+    correction.relative_poses.push_back({.from = KeyframeId{200 + number - i},
+                                         .to = KeyframeId{201 + number - i},
+                                         .T_from_to = some_pose(numbers, 2.0),
+                                         .information = some_information<6>(numbers)});
+  }
+  for (std::uint32_t i = 0; i < number / 10 % 30; ++i) {
+    correction.landmarks.push_back({.id = LandmarkId{7000 + 3 * i * number},
+                                    .p_anchor = some_pose(numbers, 30.0).p,
+                                    .information = some_information<3>(numbers)});
+  }
+  return answer;
+}
+
+// Its fields as they are sent; of the covariance the inverse, which is the same on every machine.
+json answer_json(const Bytes& bytes) {
+  const auto sample = from_cdr<wire::LocalizationResult>(bytes, 2).value();
+  const Answer answer = decode_answer(bytes).value();
+  json out{{"robot", sample.robot().to_string()},
+           {"localizer", sample.localizer().to_string()},
+           {"number", sample.number()},
+           {"acknowledged_base", sample.acknowledged_base()},
+           {"acknowledged_bitmap", sample.acknowledged_bitmap()},
+           {"status", static_cast<std::uint32_t>(sample.status())},
+           {"keyframe", sample.keyframe()},
+           {"stamp_ns", sample.stamp_ns()},
+           {"window_ms", sample.window_ms()}};
+  if (answer.result.status == LocalizationStatus::kLocalized) {
+    const CompactRoot<6> root{.scales = sample.information_scale(),
+                              .entries = sample.information_root()};
+    out["p_map"] = texts(sample.p_map());
+    out["rotation"] = sample.rotation();
+    out["information"] = upper_triangle<6>(root.squared());
+  }
+  if (answer.correction) out["corrections"] = correction_json(*answer.correction);
+  return out;
+}
+
+void write_answers(std::ostream& out) {
+  Numbers numbers;
+  for (std::uint32_t number = 1; number <= 300; ++number) {
+    const Bytes bytes = encode(answer_of(numbers, number), 1200);
+    out << json{{"sample", hexadecimal(bytes)}, {"answer", answer_json(bytes)}}.dump() << '\n';
+  }
+}
+
 }  // namespace
 }  // namespace fleetloc
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::cerr << "usage: compact_vectors FILE\n";
+  if (argc != 3) {
+    std::cerr << "usage: compact_vectors SUBMAPS ANSWERS\n";
     return 2;
   }
-  std::ofstream out(argv[1]);
-  fleetloc::write_vectors(out);
-  out.close();
-  return out ? 0 : 1;
+  std::ofstream submaps(argv[1]);
+  fleetloc::write_vectors(submaps);
+  submaps.close();
+  std::ofstream answers(argv[2]);
+  fleetloc::write_answers(answers);
+  answers.close();
+  return submaps && answers ? 0 : 1;
 }

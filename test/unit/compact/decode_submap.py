@@ -159,13 +159,13 @@ def sigma_of(code):
     return math.ldexp(16.0 * eighth[(code - 1) % 4], -((code - 1) // 4))
 
 
-def turn(coder, models):
+def turn(coder, models, units=4096.0):
     largest = coder.raw(2) if coder.bit(models["far"]) else 0
     others = [model.signed(coder) for model in models["others"]]
     q, rest = [0.0] * 4, 1.0
     for i in range(4):
         if i != largest:
-            q[i] = others.pop(0) / 4096.0
+            q[i] = others.pop(0) / units
             rest = rest - q[i] * q[i]
     q[largest] = math.sqrt(rest)
     return q
