@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "robot/cloud_client/cloud_client.hpp"
+#include "test/protocol/disturbed_network.hpp"
+#include "test/protocol/sent_record.hpp"
+
+namespace fleetloc {
+
+/// What a robot's end of the protocol has sent of the present stream, as far as acknowledgements
+/// that have reached it tell; kept apart from the code under test.
+class StreamModel {
+ public:
+  void restart();
+  void sent(const Submap& sample);
+  void acknowledged(const Acknowledgements& acknowledgements);
+
+  /// Never sent in this stream, or only in samples that are known to be lost.
+  [[nodiscard]] bool is_missing(KeyframeId keyframe) const;
+  /// The same, as far as the robot may think.
+  [[nodiscard]] bool may_be_missing(KeyframeId keyframe) const;
+  void forget_before(KeyframeId oldest);
+  /// The localizer asks for the session. Whether the robot believes it is the robot's business.
+  void lose_track();
+
+ private:
+  std::map<std::uint32_t, bool> lost_;  // of samples that are not known to be lost: false
+  std::set<std::uint32_t> arrived_;
+  std::map<KeyframeId, std::vector<std::uint32_t>> numbers_;
+  std::set<KeyframeId> unsure_;
+};
+
+/// A robot whose odometry makes keyframes at random, with its real end of the protocol. It can be
+/// restarted, lose its odometry, and have its clock set. After each step it checks what it sends
+/// and gets, and throws Violation.
+class ModelRobot {
+ public:
+  ModelRobot(RobotId id,
+             DisturbedNetwork& network,
+             SentRecord& record,
+             const CloudClient::Config& config,
+             std::uint32_t seed);
+  ~ModelRobot();
+
+  void step(Timestamp true_time);
+  void restart();
+  void reset_odometry();
+  void step_clock(Duration by) { clock_offset_ += by; }
+
+  /// A sample of the present stream and a localizer's answer, with numbers that are far ahead.
+  [[nodiscard]] std::optional<std::pair<std::string, Message>> forged_sample(std::uint32_t ahead);
+  [[nodiscard]] std::optional<Message> forged_answer(std::uint32_t ahead) const;
+
+  /// Somebody sends a sample with a number far ahead before the first one of a session, sometimes.
+  bool forges_first_samples = false;
+
+  [[nodiscard]] const RobotId& id() const { return id_; }
+  [[nodiscard]] SessionKey session() const { return {id_, session_.session}; }
+  [[nodiscard]] CloudClient::Statistics statistics() const { return client_->statistics(); }
+  /// Oldest first, as many as the cloud's window has.
+  [[nodiscard]] const std::deque<SubmapKeyframe>& keyframes() const { return keyframes_; }
+  /// How many keyframes are newer than that of the newest answer; all, if there is none.
+  [[nodiscard]] std::size_t unanswered() const;
+  [[nodiscard]] double moving_for_s() const { return to_seconds(true_time_ - moving_since_); }
+  /// What the last restart has set free: what the client has held on the heap.
+  [[nodiscard]] std::size_t freed_bytes() const { return freed_bytes_; }
+
+ private:
+  class Tap;
+
+  void add_keyframe();
+  void submit();
+  void sent(const std::string& localizer, const Message& message);
+  void received(const Message& message);
+  void take_answers();
+  void check_repetition(const Submap& sample) const;
+  void check_is_not_idle();
+  double uniform() { return std::uniform_real_distribution<double>()(random_); }
+
+  RobotId id_;
+  DisturbedNetwork& network_;
+  SentRecord& record_;
+  CloudClient::Config config_;
+  std::mt19937 random_;
+  std::unique_ptr<Channel> channel_;
+  std::unique_ptr<CloudClient> client_;
+  RobotSession session_;
+  Timestamp true_time_{};
+  Duration clock_offset_{};
+  std::deque<SubmapKeyframe> keyframes_;
+  std::deque<VirtualEdge> edges_;  // into keyframes_
+  std::uint32_t next_keyframe_ = 0;
+  Timestamp next_keyframe_at_{};
+  Timestamp moving_since_{};
+  StreamModel stream_;
+  std::tuple<std::string, Incarnation, SessionNumber> stream_key_;
+  std::optional<std::pair<std::string, Message>> last_sample_;
+  std::optional<Message> last_answer_;
+  Timestamp idle_since_{};  // connected, with a keyframe that is missing, and silent
+  std::size_t freed_bytes_ = 0;
+  std::optional<KeyframeId> answered_;
+  std::set<std::tuple<std::string, Incarnation, KeyframeId, Revision, LocalizationStatus>> answers_;
+};
+
+}  // namespace fleetloc
