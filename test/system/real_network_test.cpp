@@ -1,6 +1,7 @@
 // Robot and localizer as programs on two computers, with a poor line between them that is the
 // kernel's and not ours: its rate by a token bucket (tbf), its loss by a packet filter (nftables),
 // its delay by a relay of packets. What its interfaces count is what the programs say.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -147,8 +148,9 @@ class RealNetwork : public testing::Test {
                                     "--out",
                                     cloud_folder.string()});
     wait_for(cloud_folder / "status.csv");
-    counters_ = counted(robot_computer);
     const auto robot_program = started(robot_computer, FLEETLOC_ROBOT, robot());
+    wait_for_sockets(robot_computer);  // what came before nobody received
+    counters_ = counted(robot_computer);
     wait_for_answer();
     lose(robot_computer, line.loss_percent);
     lose(cloud_computer, line.loss_percent);
@@ -166,6 +168,17 @@ class RealNetwork : public testing::Test {
       if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("does not serve");
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
+  }
+
+  static void wait_for_sockets(const NetworkNamespace& computer) {
+    const auto inside = computer.enter();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < deadline) {
+      const std::string sockets = content_of("/proc/thread-self/net/udp");
+      if (std::ranges::count(sockets, '\n') > 2) return;  // beside the heading
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    throw std::runtime_error("the robot opens no socket");
   }
 
   /// What the robot's end of the line has counted since it was started.
