@@ -203,7 +203,7 @@ void DdsChannel::wait_and_look(ParticipantRecreationPolicy& policy,
   const auto lost = addresses_.wait(policy.is_unsettled() ? kLookAgain : kLook, stop);
   policy.lost(lost, Clock::now());
   policy.observe({.addresses = interface_addresses(whitelist),
-                  .heard = statistics().received_messages,
+                  .heard = signs_of_life(),
                   .is_expecting = expects_somebody()},
                  Clock::now());
   if (const auto found = lookup_.take()) policy.found(*found, Clock::now());
@@ -212,6 +212,13 @@ void DdsChannel::wait_and_look(ParticipantRecreationPolicy& policy,
   look_for_other_versions(Clock::now());
   if (config_.role == ChannelRole::kCloud) release_absent(Clock::now());
   for (std::string& event : wire_->versions.take_events()) note(std::move(event));
+}
+
+// Localizers tell every robot their status, but a robot speaks to the localizer that it uses only:
+// another one hears no more than its announcements.
+std::uint64_t DdsChannel::signs_of_life() const {
+  if (config_.role == ChannelRole::kRobot) return statistics().received_messages;
+  return wire_->traffic.total().received_datagrams;
 }
 
 // A robot always needs a localizer; a localizer may be idle.

@@ -82,6 +82,7 @@ class DdsChannel final : public Channel {
   void wait_and_look(ParticipantRecreationPolicy& policy,
                      const std::vector<std::string>& whitelist,
                      const std::stop_token& stop);
+  [[nodiscard]] std::uint64_t signs_of_life() const;
   bool expects_somebody();
   void look_for_other_versions(std::chrono::steady_clock::time_point now);
   void delete_writers(const std::string& receiver);  // expects `sending_` to be locked

@@ -14,6 +14,7 @@
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
+#include "shared/transport/workarounds/initial_ack_pacing.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
 
@@ -141,6 +142,7 @@ class Transport final : public fdr::ChainingTransport {
   std::shared_ptr<WireLink> link_;
   RouteCache routes_;  // with each participant anew, so after each change of addresses
   OwnDatagrams own_;
+  InitialAckPacing initial_acks_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
 };
@@ -181,6 +183,7 @@ bool Transport::send(rtps::SenderResource* socket,
   rtps::SenderResource* none = nullptr;  // yet; they are called in their order
   if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
   own_.sent(datagram);
+  if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
   const fdr::LocatorList destinations = useful(*begin, *end, now);
   if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
