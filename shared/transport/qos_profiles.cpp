@@ -2,6 +2,7 @@
 
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 #include <arpa/inet.h>
@@ -59,7 +60,25 @@ XMLElement* profile_like(XMLElement& profiles, const XMLElement& wanted) {
   return nullptr;
 }
 
-// Puts the profiles of `file` in the place of those of its base.
+bool is_list(const XMLElement& element) {
+  return std::string_view(element.Name()).ends_with("List");
+}
+
+// What `over` holds takes the place of what is there; lists (of peers, servers) do as a whole.
+void lay_over(const XMLElement& over, XMLElement& base) {
+  for (const XMLElement* it = over.FirstChildElement(); it != nullptr;
+       it = it->NextSiblingElement()) {
+    XMLElement* old = base.FirstChildElement(it->Name());
+    if (old != nullptr && it->FirstChildElement() != nullptr && !is_list(*it)) {
+      lay_over(*it, *old);
+      continue;
+    }
+    base.InsertEndChild(it->DeepClone(base.GetDocument()));
+    if (old != nullptr) base.DeleteChild(old);
+  }
+}
+
+// Lays the profiles of `file` over those of its base.
 void lay_over(XMLDocument& document, const std::filesystem::path& file, XMLDocument& base) {
   XMLElement* profiles = profiles_of(document);
   XMLElement* base_profiles = profiles_of(base);
@@ -70,8 +89,7 @@ void lay_over(XMLDocument& document, const std::filesystem::path& file, XMLDocum
     if (old == nullptr) {
       fail(file, "its base has no such profile as in line " + std::to_string(it->GetLineNum()));
     }
-    base_profiles->InsertAfterChild(old, it->DeepClone(&base));
-    base_profiles->DeleteChild(old);
+    lay_over(*it, *old);
   }
 }
 

@@ -5,8 +5,10 @@
 #include "shared/transport/emulated_link.hpp"
 #include "shared/transport/traffic_counter.hpp"
 #include "shared/transport/wire_version.hpp"
+#include "shared/transport/workarounds/answered_heartbeats.hpp"
 #include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/server_restart_detector.hpp"
+#include "shared/transport/workarounds/silent_server_pacing.hpp"
 
 namespace fleetloc {
 
@@ -22,6 +24,8 @@ struct WireLink {
   std::optional<EmulatedLink> emulated;
   WireVersionWatch versions;
   ServerRestartDetector servers;
+  SilentServerPacing silent_servers;
+  AnsweredHeartbeats answered_heartbeats;
   PeerAddressFilter addresses;
   TrafficCounter traffic;
 };

@@ -35,10 +35,6 @@ std::uint32_t address_of(const rtps::Locator_t& locator) {
   return address;
 }
 
-PeerAddressFilter::Locator locator_of(const rtps::Locator_t& locator) {
-  return {.address = address_of(locator), .port = locator.port};
-}
-
 bool transmit(rtps::SenderResource& socket,
               RtpsBytes datagram,
               const fdr::LocatorList& destinations,
@@ -112,9 +108,17 @@ class Transport final : public fdr::ChainingTransport {
   }
 
   /// The destinations that a datagram is sent to: the first two steps.
-  fdr::LocatorList useful(rtps::LocatorsIterator& begin,
+  fdr::LocatorList useful(RtpsBytes datagram,
+                          rtps::LocatorsIterator& begin,
                           const rtps::LocatorsIterator& end,
                           Clock::time_point now);
+  /// A discovery server is told only what it does not know, and a silent one seldom.
+  bool is_useless(RtpsBytes datagram,
+                  const PeerAddressFilter::Locator& to,
+                  Clock::time_point now) const {
+    return link_->answered_heartbeats.includes(datagram, to) ||
+           !link_->silent_servers.passes(to, now);
+  }
   /// Copies the datagram: the library's buffer is valid in this call only.
   void send_later(rtps::SenderResource* socket,
                   RtpsBytes datagram,
@@ -149,7 +153,8 @@ class Transport final : public fdr::ChainingTransport {
 
 // Fast DDS sends to every address of a participant. A datagram to an unreachable network never
 // leaves this computer, nor one that would arrive twice.
-fdr::LocatorList Transport::useful(rtps::LocatorsIterator& begin,
+fdr::LocatorList Transport::useful(RtpsBytes datagram,
+                                   rtps::LocatorsIterator& begin,
                                    const rtps::LocatorsIterator& end,
                                    Clock::time_point now) {
   fdr::LocatorList useful;
@@ -159,7 +164,8 @@ fdr::LocatorList Transport::useful(rtps::LocatorsIterator& begin,
     if (!IsLocatorSupported(*begin)) continue;
     if (rtps::IPLocator::isMulticast(*begin)) {
       useful.push_back(*begin);
-    } else if (routes_.has_route(address_of(*begin), now)) {
+    } else if (routes_.has_route(address_of(*begin), now) &&
+               !is_useless(datagram, locator_of(*begin), now)) {
       routed.push_back(*begin);
       locators.push_back(locator_of(*begin));
     }
@@ -184,7 +190,7 @@ bool Transport::send(rtps::SenderResource* socket,
   if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
   own_.sent(datagram);
   if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
-  const fdr::LocatorList destinations = useful(*begin, *end, now);
+  const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
   if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
@@ -249,10 +255,12 @@ void Transport::deliver(fdr::TransportReceiverInterface& receiver,
   const Clock::time_point now = Clock::now();
   const auto size = static_cast<std::uint32_t>(datagram.size());
   link_->versions.observe(datagram);
-  link_->servers.observe(datagram, now);
+  const auto recounted = link_->servers.observe(datagram, now);
+  link_->silent_servers.heard(sender_of(datagram), now);
+  link_->answered_heartbeats.observe(datagram);
   link_->addresses.heard(sender_of(datagram), address_of(remote), now);
   link_->traffic.received(size);
-  receiver.OnDataReceived(datagram.data(), size, local, remote);
+  receiver.OnDataReceived(recounted ? recounted->data() : datagram.data(), size, local, remote);
 }
 
 fdr::TransportInterface* Descriptor::create_transport() const {
@@ -260,6 +268,10 @@ fdr::TransportInterface* Descriptor::create_transport() const {
 }
 
 }  // namespace
+
+PeerAddressFilter::Locator locator_of(const rtps::Locator_t& locator) {
+  return {.address = address_of(locator), .port = locator.port};
+}
 
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
                                                     std::shared_ptr<WireLink> link) {

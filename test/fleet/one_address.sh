@@ -55,7 +55,8 @@ start_server() {
   server=""
   case $1 in
     *-server)
-      fast-discovery-server -i 0 -l 0.0.0.0 -p 11811 >/dev/null 2>&1 &
+      fast-discovery-server -i 0 -l 0.0.0.0 -p 11811 -x "server@$root/qos_profiles/server.xml" \
+        >/dev/null 2>&1 &
       server=$!
       ;;
   esac

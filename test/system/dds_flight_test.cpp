@@ -98,9 +98,10 @@ TEST_P(DdsFlightOn, FindsItsLocalizerThroughTheProfilesThatShip) {
   EXPECT_THAT(parsed_json(run_folder_ / "summary.json").at("answers_received").get<int>(), Gt(0));
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, DdsFlightOn, testing::Values("lan", "wifi"), [](const auto& it) {
-  return it.param;
-});
+INSTANTIATE_TEST_SUITE_P(Networks,
+                         DdsFlightOn,
+                         testing::Values("lan", "wifi", "lte", "nbiot"),
+                         [](const auto& it) { return it.param; });
 
 TEST_F(DdsFlight, GivesOdometryWithoutALocalizer) {
   const Outcome outcome = run(FLEETLOC_ROBOT, robot(kRobot, {"--rate", "0", "--duration", "6"}));

@@ -22,15 +22,18 @@ std::string replaced(std::string text, const std::string& part, const std::strin
 }
 
 std::string on_loopback(const std::string& lan) {
-  const std::string type = "<transport_id>udp</transport_id>\n      <type>UDPv4</type>";
   const std::string end_of_discovery = "</discovery_config>\n      </builtin>";
-  const std::string moved =
-      replaced(lan,
-               type,
-               type +
-                   "<interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>"
-                   "<maxInitialPeersRange>16</maxInitialPeersRange>",
-               1);
+  std::string moved = lan;
+  for (const char* transport : {"udp", "udp_cloud"}) {
+    const std::string type =
+        std::string("<transport_id>") + transport + "</transport_id>\n      <type>UDPv4</type>";
+    moved = replaced(moved,
+                     type,
+                     type +
+                         "<interfaceWhiteList><address>127.0.0.1</address></interfaceWhiteList>"
+                         "<maxInitialPeersRange>16</maxInitialPeersRange>",
+                     1);
+  }
   return replaced(moved,
                   end_of_discovery,
                   "</discovery_config><initialPeersList><locator><udpv4><address>127.0.0.1"

@@ -9,10 +9,14 @@
 
 namespace fleetloc {
 
-/// The discovery server of Debian's package, on 127.0.0.1.
+/// A discovery server of Debian's package, on 127.0.0.1.
 class DiscoveryServer {
  public:
-  DiscoveryServer() : program_(kProgram, {"-i", "0", "-l", "127.0.0.1", "-p", "11811"}) {}
+  DiscoveryServer() : DiscoveryServer(0, {}) {}
+  /// @param number  0 or 1: its id, and its port above 11811
+  /// @param backup  folder that it keeps what it knows in; empty: nowhere
+  DiscoveryServer(int number, const std::filesystem::path& backup)
+      : program_("/bin/sh", {"-c", command(number, backup)}) {}
 
   /// Why it cannot be started, if so.
   static std::optional<std::string> why_impossible() {
@@ -27,6 +31,12 @@ class DiscoveryServer {
 
  private:
   static constexpr const char* kProgram = "/usr/bin/fast-discovery-server";
+
+  static std::string command(int number, const std::filesystem::path& backup) {
+    const std::string program = std::string("exec ") + kProgram + " -i " + std::to_string(number) +
+                                " -l 127.0.0.1 -p " + std::to_string(11811 + number);
+    return backup.empty() ? program : "cd " + backup.string() + " && " + program + " -b";
+  }
 
   ChildProgram program_;
 };

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastrtps/utils/IPLocator.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,6 +65,39 @@ TEST_F(QosProfilesTest, TakeFromTheirBaseWhatTheyDoNotDefine) {
                             " xmlns:fleetloc=\"fleetloc\" fleetloc:based_on=\"base.xml\""));
   EXPECT_EQ(domain_name("both"), "of over");
   EXPECT_EQ(domain_name("base_only"), "base only");
+}
+
+std::string discovery(const std::string& elements) {
+  return "<builtin><discovery_config>" + elements + "</discovery_config></builtin>";
+}
+std::string peers(const std::string& address) {
+  return "<builtin><initialPeersList><locator><udpv4><address>" + address +
+         "</address></udpv4></locator></initialPeersList></builtin>";
+}
+
+TEST_F(QosProfilesTest, TakeFromTheProfileOfTheirBaseWhatTheirsDoesNotSay) {
+  const std::string timing =
+      "<leaseAnnouncement><sec>7</sec></leaseAnnouncement><leaseDuration><sec>70</sec>"
+      "</leaseDuration>";
+  written("timing_base.xml",
+          participant("slow", "<name>base</name>" + discovery(timing)) +
+              participant("peered", peers("10.0.0.1")));
+  load_qos_profiles(written(
+      "timing_over.xml",
+      participant("slow", discovery("<leaseAnnouncement><sec>9</sec></leaseAnnouncement>")) +
+          participant("peered", peers("10.0.0.2")),
+      " xmlns:fleetloc=\"fleetloc\" fleetloc:based_on=\"timing_base.xml\""));
+  EXPECT_EQ(domain_name("slow"), "base");
+  dds::DomainParticipantQos qos;
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  ASSERT_EQ(factory->get_participant_qos_from_profile("slow", qos), ReturnCode_t::RETCODE_OK);
+  const auto& times = qos.wire_protocol().builtin.discovery_config;
+  EXPECT_EQ(times.leaseDuration_announcementperiod.seconds, 9);
+  EXPECT_EQ(times.leaseDuration.seconds, 70);
+  ASSERT_EQ(factory->get_participant_qos_from_profile("peered", qos), ReturnCode_t::RETCODE_OK);
+  const auto& list = qos.wire_protocol().builtin.initialPeersList;
+  ASSERT_EQ(list.size(), 1);
+  EXPECT_EQ(eprosima::fastrtps::rtps::IPLocator::toIPv4string(*list.begin()), "10.0.0.2");
 }
 
 TEST_F(QosProfilesTest, RefuseAProfileThatTheirBaseDoesNotHave) {

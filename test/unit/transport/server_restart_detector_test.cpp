@@ -25,8 +25,20 @@ class ServerRestartDetectorTest : public testing::Test {
              std::uint32_t writer = kParticipantWriter,
              const GuidPrefix& from = kServer) {
     now_ += pause;
-    watch_.observe(message_of({gap(1, 3), heartbeat(1, 4, count, writer)}, from), now_);
+    // Who counts from one again has also forgotten its samples.
+    const Bytes one = heartbeat(1, 4 + count, count, writer);
+    watch_.observe(message_of({gap(1, 3), one}, from), now_);
     return watch_.has_restarted();
+  }
+
+  /// What is to be taken of a heartbeat for the last sample that a server has.
+  std::uint32_t count_of(std::uint32_t count, std::uint64_t last_sample) {
+    now_ += seconds(3);
+    const Bytes datagram = message_of({gap(1, 3), heartbeat(1, last_sample, count)}, kServer);
+    const auto changed = watch_.observe(datagram, now_);
+    const Bytes& taken = changed ? *changed : datagram;
+    EXPECT_EQ(taken.size(), datagram.size());
+    return RtpsFields(RtpsBytes(taken).last(4), true).u32();
   }
 
   ServerRestartDetector watch_;
@@ -54,6 +66,17 @@ TEST_F(ServerRestartDetectorTest, CountsEachWriterForItself) {
   EXPECT_FALSE(after(seconds(3), 8));
   EXPECT_FALSE(after(seconds(3), 2, kPublicationsWriter));
   EXPECT_TRUE(after(seconds(3), 1, kPublicationsWriter));
+}
+
+TEST_F(ServerRestartDetectorTest, GoesOnCountingWhereAServerGoesOnFromItsBackup) {
+  EXPECT_EQ(count_of(7, 20), 7);
+  EXPECT_EQ(count_of(1, 20), 8);
+  EXPECT_EQ(count_of(2, 21), 9);
+  EXPECT_EQ(count_of(1, 22), 10) << "started a third time";
+  EXPECT_EQ(count_of(4, 23), 13);
+  EXPECT_FALSE(watch_.has_restarted());
+  EXPECT_EQ(count_of(1, 5), 10) << "has lost its backup; a new participant hears it";
+  EXPECT_TRUE(watch_.has_restarted());
 }
 
 TEST_F(ServerRestartDetectorTest, WatchesNobodyElse) {
