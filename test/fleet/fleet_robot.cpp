@@ -1,6 +1,6 @@
-// One robot of a fleet, without cameras: the real client of the cloud on a real participant. It
-// opens a session, tells its localizer of itself, and measures what the network costs and how long
-// a localizer takes to answer.
+// Robots of a fleet, without cameras: the real client of the cloud on a real participant for each.
+// They open a session, tell their localizer of themselves, and measure what the network costs and
+// how long a localizer takes to answer.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "deploy/config/default_config.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
@@ -24,6 +25,7 @@ using std::chrono::duration;
 struct Options {
   std::string id, qos, link;
   std::uint32_t domain = 0;
+  int count = 1;
   double submaps_hz = 0.0;
   double start_s = 12.0;
   double settled_s = 60.0;
@@ -142,11 +144,12 @@ class FleetRobot {
 int main(int argc, char** argv) {
   return guarded([&] {
     Program program(
-        "fleet_robot", "One robot of a fleet, without cameras.", default_config("everything"));
+        "fleet_robot", "Robots of a fleet, without cameras.", default_config("everything"));
     Options options;
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--qos", options.qos, "QoS profiles")->required();
+    app.add_option("--count", options.count, "robots in this process, ID_1 and so on");
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
     app.add_option("--link", options.link, "YAML: loss, delay and rate to emulate");
     app.add_option("--submaps", options.submaps_hz, "submaps a second");
@@ -156,10 +159,16 @@ int main(int argc, char** argv) {
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
       load_qos_profiles(options.qos);
-      auto robot = std::make_shared<FleetRobot>(
-          options, read_cloud_client_config(program.config().section("client")));
-      return [robot, termination] {
-        robot->run(termination->token());
+      const auto config = read_cloud_client_config(program.config().section("client"));
+      return [options, config, termination] {
+        std::vector<std::jthread> robots;
+        for (int i = 1; i <= options.count; ++i) {
+          Options one = options;
+          if (options.count > 1) one.id += "_" + std::to_string(i);
+          robots.emplace_back(
+              [one, config, token = termination->token()] { FleetRobot(one, config).run(token); });
+        }
+        robots.clear();  // waits for their ends
         return static_cast<int>(kSuccess);
       };
     });
