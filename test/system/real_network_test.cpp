@@ -2,6 +2,7 @@
 // kernel's and not ours: its rate by a token bucket (tbf), its loss by a packet filter (nftables),
 // its delay by a relay of packets. What its interfaces count is what the programs say.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -148,9 +149,9 @@ class RealNetwork : public testing::Test {
                                     "--out",
                                     cloud_folder.string()});
     wait_for(cloud_folder / "status.csv");
-    const auto robot_program = started(robot_computer, FLEETLOC_ROBOT, robot());
-    wait_for_sockets(robot_computer);  // what came before nobody received
     counters_ = counted(robot_computer);
+    const auto robot_program = started(robot_computer, FLEETLOC_ROBOT, robot());
+    counters_.received = received_before_sockets(robot_computer);  // by nobody
     wait_for_answer();
     lose(robot_computer, line.loss_percent);
     lose(cloud_computer, line.loss_percent);
@@ -170,13 +171,14 @@ class RealNetwork : public testing::Test {
     }
   }
 
-  static void wait_for_sockets(const NetworkNamespace& computer) {
+  static double received_before_sockets(const NetworkNamespace& computer) {
     const auto inside = computer.enter();
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < deadline) {
       const std::string sockets = content_of("/proc/thread-self/net/udp");
-      if (std::ranges::count(sockets, '\n') > 2) return;  // beside the heading
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const double received = interface_bytes()[0];
+      if (std::ranges::count(sockets, '\n') > 2) return received;  // beside the heading
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     throw std::runtime_error("the robot opens no socket");
   }
@@ -191,12 +193,28 @@ class RealNetwork : public testing::Test {
     counters_.dropped -= before.dropped;
   }
 
+  /// Received and sent, of the computer that this thread is on.
+  static std::array<double, 2> interface_bytes() {
+    std::istringstream lines(content_of("/proc/thread-self/net/dev"));
+    for (std::string line; std::getline(lines, line);) {
+      const auto name = line.find("wan0:");
+      if (name == std::string::npos) continue;
+      std::istringstream fields(line.substr(name + 5));
+      std::array<double, 9> numbers{};
+      for (double& number : numbers) fields >> number;
+      return {numbers[0], numbers[8]};
+    }
+    throw std::runtime_error("there is no wan0");
+  }
+
   static Counters counted(const NetworkNamespace& computer) {
     Counters counters;
-    const auto link = nlohmann::json::parse(
-        must_run_in(computer, "/sbin/ip", {"-json", "-stats", "link", "show", "wan0"}));
-    counters.sent = link[0]["stats64"]["tx"]["bytes"];
-    counters.received = link[0]["stats64"]["rx"]["bytes"];
+    {
+      const auto inside = computer.enter();
+      const auto [received, sent] = interface_bytes();
+      counters.received = received;
+      counters.sent = sent;
+    }
     counters.offered = counter_in(must_run_in(computer, kNft, {"list chain ip line out"}));
     counters.dropped = counter_in(must_run_in(computer, kNft, {"list chain ip line loss"}));
     return counters;
