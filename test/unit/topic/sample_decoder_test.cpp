@@ -31,7 +31,8 @@ RobotSession session_of(const Submap& submap) {
 
 TEST(SampleDecoder, ShowsACompactSubmapOnceItsSessionIsKnown) {
   Submap submap = moving_robot(100, 3);
-  const Bytes bytes = encode_compact(submap, {.newest = 12, .loss = 0.2}, {}, some_stereo());
+  const Bytes bytes =
+      encode_compact(submap, {.newest = 12, .loss = 0.2, .age = {}}, {}, some_stereo());
   SampleDecoder decoder;
   const Json early = decoder.decode("fleetloc/1/alpha/submap", bytes);
   EXPECT_EQ(early["number"], 40);
