@@ -132,7 +132,8 @@ inline LocalizerStatus some_localizer_status() {
           .map_hash = {9, 8, 7},
           .sessions = 31,
           .load = 0.25,
-          .accepting = true};
+          .accepting = false,
+          .draining = true};
 }
 
 inline RobotStatus some_robot_status() {

@@ -18,6 +18,7 @@ TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
   EXPECT_EQ(received.sessions, sent.sessions);
   EXPECT_EQ(received.load, sent.load);
   EXPECT_EQ(received.accepting, sent.accepting);
+  EXPECT_EQ(received.draining, sent.draining);
 }
 
 TEST(StatusCodec, RoundTripPreservesARobotStatus) {
