@@ -150,6 +150,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
   const auto turn = scheduler_.take();
   if (!turn) return std::nullopt;
   Robot& robot = robots_.at(turn->robot);
+  protocol_.waited(now - robot.waiting.oldest(), now);
   return Job{.robot = turn->robot,
              .turn = turn->number,
              .received = robot.waiting.oldest(),

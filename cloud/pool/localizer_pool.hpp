@@ -74,6 +74,13 @@ class LocalizerPool {
   /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<OutgoingMessage> outgoing(Timestamp now, double load);
 
+  /// The localizer is about to end: its robots are told to go to others, and answered meanwhile.
+  void drain(Timestamp now) { protocol_.drain(now); }
+  /// Robots that it still has to answer; none once its time is over.
+  [[nodiscard]] std::vector<RobotId> to_leave(Timestamp now) const {
+    return protocol_.to_leave(now);
+  }
+
   /// Robots that are served or may come, new since the last call: Channel::prepare.
   std::vector<RobotId> take_expected() { return protocol_.take_expected(); }
   /// Events since the last call, each a line for the log.
@@ -86,6 +93,8 @@ class LocalizerPool {
     return report_.unattributed();
   }
   [[nodiscard]] std::size_t sessions() const { return protocol_.sessions(); }
+  /// As of the last outgoing().
+  [[nodiscard]] const LocalizerStatus& status() const { return protocol_.localizer_status(); }
 
  private:
   struct Robot {
