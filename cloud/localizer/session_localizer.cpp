@@ -143,7 +143,8 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
 
   const SubmapKeyframe& newest = database_.newest().item;
   const double travelled_m = dead_reckoning_.travelled_m(newest.id);
-  const auto confirmed = acceptance_.confirm(fit, newest.T_odom_body, travelled_m);
+  const auto confirmed =
+      acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, travelled_m);
   if (!confirmed) return unexpected(confirmed.error());
   return Solution{{fit.T_map_body, stated->covariance}, std::move(system)};
 }
