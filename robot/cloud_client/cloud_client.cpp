@@ -5,7 +5,6 @@
 
 #include "shared/compact/answer_sample.hpp"
 #include "shared/config/config_reader.hpp"
-#include "shared/wire/session_codec.hpp"
 #include "shared/wire/status_codec.hpp"
 
 namespace fleetloc {
@@ -21,20 +20,22 @@ CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
       channel_(channel),
       selector_(robot_, config.selector),
       connections_(channel, config.connections),
-      announcer_(config.announcement),
-      uplink_(robot_, config.uplink),
+      stream_(robot_, channel, config.stream),
       status_timer_(config.status) {}
 
 void CloudClient::start_session(const RobotSession& session, Timestamp clock) {
   const Timestamp now = time_at(clock);
-  announcer_.start(session);
-  announcer_.set_encoding(uplink_.encoding());
-  uplink_.start_session(session.stereo);
+  if (successor_) {  // what it was brought is of the session before
+    selector_.drop_successor();
+    drop_successor();
+  }
+  stream_.start_session(session);
   session_started_ = now;
   given_.clear();
+  localized_.reset();
   correction_.reset();
   corrected_anchor_.reset();
-  if (!localizer_.empty()) return start_stream(now);
+  if (!selector_.name().empty()) return begin_with_chosen(now);
   update_localizer(now);
 }
 
@@ -43,25 +44,27 @@ Timestamp CloudClient::time_at(Timestamp clock) {
   return steady_(clock);
 }
 
-void CloudClient::submit(Submap submap, Timestamp clock) {
-  const Timestamp now = time_at(clock);
-  if (localizer_.empty() || !announcer_.session()) ++statistics_.submaps_without_localizer;
-  uplink_.add(std::move(submap));
-  send_submap(now);
+void CloudClient::update_start(const MapOdomEstimate& start) {
+  stream_.update_start(start);
+  if (successor_) successor_->update_start(start);
 }
 
-void CloudClient::send_submap(Timestamp now) {
-  if (localizer_.empty() || !announcer_.session()) return;
-  try {
-    if (receipt_.newest != 0) receipt_.age = answers_.since_newest(now);
-    auto message = uplink_.next(receipt_, now);
-    if (!message) return;
-    channel_.send(localizer_, *std::move(message), clock_);
+void CloudClient::submit(Submap submap, Timestamp clock) {
+  const Timestamp now = time_at(clock);
+  if (stream_.localizer().empty() || !stream_.has_session()) {
+    ++statistics_.submaps_without_localizer;
+  }
+  if (successor_) successor_->add(submap);
+  stream_.add(std::move(submap));
+  send_submaps(now);
+}
+
+void CloudClient::send_submaps(Timestamp now) {
+  if (taken(stream_.send_submap(stream_time(now)))) {
     ++statistics_.submaps_sent;
     selector_.sent(now);
-  } catch (const NotEncodable&) {  // out of range of the wire type; the next one may fit
-    refuse(MessageRefusal::kNotEncodable);
   }
+  if (successor_ && taken(successor_->send_submap(stream_time(now)))) ++statistics_.submaps_sent;
 }
 
 std::vector<LocalizationResult> CloudClient::take_answers(Timestamp clock) {
@@ -72,11 +75,10 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp clock) {
     if (message.topic != Topic::kLocalization) continue;
     if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
   }
-  if (announcer_.session()) update_localizer(now);  // after the status messages
-  if (!localizer_.empty()) {
-    if (const auto repetition = announcer_.repetition(now)) announce(*repetition, localizer_);
-  }
-  send_submap(now);
+  if (stream_.has_session()) update_localizer(now);  // after the status messages
+  count(stream_.repeat_announcement(stream_time(now)));
+  if (successor_) count(successor_->repeat_announcement(stream_time(now)));
+  send_submaps(now);
   send_status(now);
   return answers;
 }
@@ -117,77 +119,74 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
     return std::nullopt;
   }
   LocalizationResult& answer = decoded->result;
-  if (const auto valid = check(answer); !valid) {
+  const bool is_of_successor = successor_ && answer.localizer == successor_->localizer();
+  LocalizerStream& stream = is_of_successor ? *successor_ : stream_;
+  if (const auto valid = check(stream, answer); !valid) {
     refuse(valid.error());
     check_for_duplicate_id(answer, now);
     return std::nullopt;
   }
   if (answer.status == LocalizationStatus::kNeedFull) {
-    session_requested(answer, now);
+    session_requested(stream, answer, now);
     return std::nullopt;
   }
-  announcer_.answered();
+  stream.answered(answer, now);
+  if (is_of_successor) {
+    if (!may_take_over(answer, now)) {
+      selector_.successor_answered(now);
+      return std::nullopt;
+    }
+    selector_.take_over(now);
+    hand_over();
+  }
   selector_.answered(now);
-  uplink_.acknowledge(answer, now);
-  note_receipt(answer, now);
   if (decoded->correction) receive_correction(*std::move(decoded->correction));
   if (std::ranges::find(given_, identity(answer)) != given_.end()) return std::nullopt;  // repeated
   given_.push_back(identity(answer));
   if (given_.size() > kMaxGiven) given_.pop_front();
-  if (answer.status == LocalizationStatus::kLocalized) answered_map_ = answer.map_hash;
+  if (answer.status == LocalizationStatus::kLocalized) {
+    answered_map_ = answer.map_hash;
+    localized_ = now;
+  }
   ++statistics_.answers_received;
   return std::move(answer);
 }
 
-expected<void, MessageRefusal> CloudClient::check(const LocalizationResult& answer) const {
-  using enum MessageRefusal;
-  const std::optional<RobotSession>& session = announcer_.session();
-  if (answer.robot != robot_ || !session || answer.session != session->session) {
-    return unexpected(kOtherSession);
-  }
-  if (answer.localizer != localizer_) return unexpected(kOtherLocalizer);
+// Where the old one is silent, or has had no pose for long, nothing gets worse.
+bool CloudClient::may_take_over(const LocalizationResult& answer, Timestamp now) const {
+  constexpr double kLongSeconds = 10.0;
+  return answer.status == LocalizationStatus::kLocalized || selector_.successor()->is_urgent ||
+         !localized_ || to_seconds(now - *localized_) > kLongSeconds;
+}
+
+expected<void, MessageRefusal> CloudClient::check(const LocalizerStream& stream,
+                                                  const LocalizationResult& answer) const {
   const bool asks = answer.status == LocalizationStatus::kNeedFull;
-  if (asks && !uplink_.sender().awaits(answer.keyframe)) return unexpected(kNotAsked);
-  if (answer.incarnation < selector_.incarnation() ||
-      (!asks && answer.incarnation != selector_.incarnation())) {
-    return unexpected(kOtherIncarnation);
+  const auto valid = stream.check(answer);
+  if (valid && !selector_.accepts_map(answer.map_hash) && !asks) {
+    return unexpected(MessageRefusal::kOtherMap);
   }
-  if (!selector_.accepts_map(answer.map_hash) && !asks) return unexpected(kOtherMap);
-  return {};
+  return valid;
 }
 
-// Answers are numbered by the incarnation of a localizer.
-void CloudClient::note_receipt(const LocalizationResult& answer, Timestamp now) {
-  const SampleNumber number{answer.number};
-  if (!answers_.is_new(number)) return;
-  answers_.store(number, now);
-  receipt_.newest = std::max(receipt_.newest, answer.number);
-  receipt_.loss = answers_.expected_loss();
-}
-
-// The localizer does not know the session: it was restarted, has dropped it or never received it.
-void CloudClient::session_requested(const LocalizationResult& answer, Timestamp now) {
+void CloudClient::session_requested(LocalizerStream& stream,
+                                    const LocalizationResult& answer,
+                                    Timestamp now) {
   ++statistics_.sessions_requested;
-  if (answer.incarnation != selector_.incarnation()) {  // its status follows, with its load
-    const LocalizerStatus status{.localizer = answer.localizer,
-                                 .incarnation = answer.incarnation,
-                                 .map_hash = answer.map_hash,
-                                 .accepting = true};
-    static_cast<void>(selector_.update(status, now));
-    return;
-  }
-  uplink_.forget_deliveries();
-  if (const auto announcement = announcer_.requested(now)) {
-    announce(*announcement, localizer_);
-  }
+  if (answer.incarnation == stream.incarnation()) return count(stream.requested(stream_time(now)));
+  const LocalizerStatus status{.localizer = answer.localizer,  // the real one follows
+                               .incarnation = answer.incarnation,
+                               .map_hash = answer.map_hash,
+                               .accepting = true};
+  static_cast<void>(selector_.update(status, now));
 }
 
 // After kSettledSeconds no answer to an earlier session of this robot can be in flight.
 void CloudClient::check_for_duplicate_id(const LocalizationResult& answer, Timestamp now) {
   constexpr double kSettledSeconds = 30.0;
   constexpr int kTooMany = 3;
-  const std::optional<RobotSession>& session = announcer_.session();
-  if (!session || answer.robot != robot_ || answer.session == session->session) return;
+  if (!stream_.has_session() || answer.robot != robot_) return;
+  if (answer.session == stream_.session().session) return;
   if (to_seconds(now - *session_started_) < kSettledSeconds) return;
   if (++foreign_answers_ == kTooMany) {
     note("answers to another session arrive: another robot seems to have this id");
@@ -197,87 +196,121 @@ void CloudClient::check_for_duplicate_id(const LocalizationResult& answer, Times
 void CloudClient::report_warning() {
   if (reported_warning_ == selector_.warning()) return;
   reported_warning_ = selector_.warning();
-  note(reported_warning_.empty() ? "localizer " + localizer_ + " is fine again"
+  note(reported_warning_.empty() ? "localizer " + selector_.name() + " is fine again"
                                  : "localizer " + reported_warning_ + ", and there is no other");
 }
 
 void CloudClient::update_localizer(Timestamp now) {
   using Change = LocalizerSelector::Change;
-  const Change change = selector_.decide(now, link());
-  if (selector_.name().empty() && other_map_ != selector_.other_map()) {
-    other_map_ = selector_.other_map();
-    if (!other_map_.empty()) {
-      note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
-    }
-  }
-  if (change == Change::kNone) {
-    report_warning();
-  } else if (change == Change::kLeft) {
-    note("localizer " + localizer_ + " is left: " + selector_.reason());
-    reported_warning_.clear();
-    localizer_.clear();
-  } else {
-    change_localizer(now);
+  switch (selector_.decide(now, link())) {
+    case Change::kNone:
+      report_other_map();
+      report_warning();
+      break;
+    case Change::kLeft:
+      note("localizer " + stream_.localizer() + " is left: " + selector_.reason());
+      reported_warning_.clear();
+      drop_successor();
+      stream_.end();
+      report_other_map();
+      break;
+    case Change::kSuccessor:
+      drop_successor();
+      begin_successor(now);
+      break;
+    case Change::kStays:
+      note("localizer " + stream_.localizer() + " goes on");
+      drop_successor();
+      break;
+    case Change::kChosen:
+    case Change::kRestarted:
+      choose(now);
   }
   keep_connections(now);
 }
 
+void CloudClient::report_other_map() {
+  if (!selector_.name().empty() || other_map_ == selector_.other_map()) return;
+  other_map_ = selector_.other_map();
+  if (other_map_.empty()) return;
+  note("localizer " + other_map_ + " is refused: it has another map; dead reckoning");
+}
+
 // The one that is left is told, too, and ends the session at once.
-void CloudClient::change_localizer(Timestamp now) {
-  const std::string left = std::exchange(localizer_, selector_.name());
+void CloudClient::choose(Timestamp now) {
+  if (successor_ && successor_->localizer() == selector_.name()) return hand_over();
+  drop_successor();
+  const std::string left = stream_.localizer();
+  note_chosen();
+  begin_with_chosen(now);
+  if (!left.empty() && left != stream_.localizer()) count(stream_.announce_to(left, clock_));
+}
+
+void CloudClient::begin_successor(Timestamp now) {
+  const LocalizerSelector::Successor& successor = *selector_.successor();
+  ++statistics_.successors;
+  note("localizer " + successor.name + " is to take over: " + successor.reason);
+  successor_ = stream_;
+  count(successor_->begin(successor.name, successor.incarnation, stream_time(now)));
+}
+
+// It is told that it is not needed.
+void CloudClient::drop_successor() {
+  if (!successor_) return;
+  if (!stream_.localizer().empty()) count(stream_.announce_to(successor_->localizer(), clock_));
+  successor_.reset();
+}
+
+void CloudClient::hand_over() {
+  const std::string left = stream_.localizer();
+  stream_ = *std::exchange(successor_, std::nullopt);
+  status_timer_.reset();
+  note_chosen();
+  count(stream_.announce_to(left, clock_));
+}
+
+void CloudClient::note_chosen() {
   ++statistics_.localizers_chosen;
   reported_warning_.clear();
   other_map_.clear();
-  note("localizer " + localizer_ + ", started as " +
+  note("localizer " + selector_.name() + ", started as " +
        std::to_string(static_cast<std::uint32_t>(selector_.incarnation())) + ": " +
        selector_.reason());
-  start_stream(now);
-  if (!left.empty() && left != localizer_) announce(*announcer_.session(), left);
 }
 
 // The others are told of the session, too: so they are ready to answer.
 void CloudClient::keep_connections(Timestamp now) {
-  if (localizer_.empty()) return;
+  if (stream_.localizer().empty()) return;
   std::vector<std::string> wanted = selector_.standbys(connections_.standbys(), now);
-  wanted.push_back(localizer_);
+  wanted.push_back(stream_.localizer());
+  if (successor_) wanted.push_back(successor_->localizer());
   for (const std::string& localizer : connections_.keep(wanted, now)) {
-    if (localizer != localizer_) announce(*announcer_.session(), localizer);
+    const bool is_in_use =
+        localizer == stream_.localizer() || (successor_ && localizer == successor_->localizer());
+    if (!is_in_use) count(stream_.announce_to(localizer, clock_));
   }
 }
 
-// Starts the submap stream of this session to this incarnation of the localizer.
-void CloudClient::start_stream(Timestamp now) {
+// The submap stream of this session to this incarnation of the localizer.
+void CloudClient::begin_with_chosen(Timestamp now) {
   status_timer_.reset();
-  if (!announcer_.session()) return;
-  answers_ = {};
-  receipt_ = {};
-  uplink_.restart(announcer_.session()->session, selector_.incarnation());
-  announce(announcer_.announcement(localizer_, selector_.incarnation(), now), localizer_);
-}
-
-void CloudClient::announce(const RobotSession& session, const std::string& localizer) {
-  try {
-    channel_.send(localizer, {Topic::kSession, encode(session)}, clock_);
-  } catch (const NotEncodable&) {  // start out of range of the wire type
-    refuse(MessageRefusal::kNotEncodable);
-    announcer_.drop_start();
-  }
+  count(stream_.begin(selector_.name(), selector_.incarnation(), stream_time(now)));
 }
 
 void CloudClient::send_status(Timestamp now) {
-  const std::optional<RobotSession>& session = announcer_.session();
-  if (!session || localizer_.empty()) return;
+  if (!stream_.has_session() || stream_.localizer().empty()) return;
   if (!status_timer_.due(now, quality_ != sent_quality_)) return;
   sent_quality_ = quality_;
+  const RobotSession& session = stream_.session();
   const RobotStatus status{.robot = robot_,
-                           .session = session->session,
-                           .start_stamp = session->start_stamp,
+                           .session = session.session,
+                           .start_stamp = session.start_stamp,
                            .stamp = clock_,
                            .quality = quality_,
                            .submaps_sent = statistics_.submaps_sent,
                            .answers_applied = answers_applied_,
-                           .round_trip = uplink_.sender().round_trip()};
-  channel_.send(localizer_, {Topic::kRobotStatus, encode(status)}, clock_);
+                           .round_trip = stream_.uplink().sender().round_trip()};
+  channel_.send(stream_.localizer(), {Topic::kRobotStatus, encode(status)}, clock_);
 }
 
 void CloudClient::note(std::string event) {
@@ -289,14 +322,15 @@ std::vector<std::string> CloudClient::take_events() {
 }
 
 LocalizerSelector::Link CloudClient::link() const {
-  return {.round_trip = uplink_.sender().round_trip(), .loss = uplink_.sender().loss()};
+  return {.round_trip = stream_.uplink().sender().round_trip(),
+          .loss = stream_.uplink().sender().loss()};
 }
 
 CloudClient::Statistics CloudClient::statistics() const {
   Statistics statistics = statistics_;
-  statistics.round_trip = uplink_.sender().round_trip();
-  statistics.loss = uplink_.sender().loss();
-  statistics.localizer = localizer_;
+  statistics.round_trip = stream_.uplink().sender().round_trip();
+  statistics.loss = stream_.uplink().sender().loss();
+  statistics.localizer = stream_.localizer();
   return statistics;
 }
 
@@ -307,18 +341,18 @@ LinkTraffic CloudClient::traffic() const {
           .downlink_bytes = bytes.received_payload_bytes,
           .uplink_wire_bytes = bytes.sent_wire_bytes,
           .downlink_wire_bytes = bytes.received_wire_bytes,
-          .loss = uplink_.sender().loss(),
-          .round_trip = uplink_.sender().round_trip()};
+          .loss = stream_.uplink().sender().loss(),
+          .round_trip = stream_.uplink().sender().round_trip()};
 }
 
 CloudClient::Config read_cloud_client_config(ConfigReader config) {
   ConfigReader announcement = config.section("announcement");
   return {.selector = read_localizer_selector_config(config.section("selector")),
           .connections = read_localizer_connections_config(config.section("connections")),
-          .announcement = {.interval_s = announcement.positive("interval_s"),
-                           .max_interval_s = announcement.positive("max_interval_s"),
-                           .min_interval_s = announcement.positive("min_interval_s")},
-          .uplink = read_submap_uplink_config(config.section("uplink")),
+          .stream = {.announcement = {.interval_s = announcement.positive("interval_s"),
+                                      .max_interval_s = announcement.positive("max_interval_s"),
+                                      .min_interval_s = announcement.positive("min_interval_s")},
+                     .uplink = read_submap_uplink_config(config.section("uplink"))},
           .status = read_status_timer_config(config.section("status"))};
 }
 

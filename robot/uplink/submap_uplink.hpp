@@ -42,6 +42,7 @@ class SubmapUplink {
     std::size_t max_payload_bytes;
     double min_pause_s;              ///< between datagrams
     std::size_t handover_datagrams;  ///< beyond the budget, for a localizer that takes over
+    double handover_pause_s;         ///< between these
     ByteBudget::Config budget;
   };
 

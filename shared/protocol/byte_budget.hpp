@@ -44,6 +44,8 @@ class ByteBudget {
 
   /// Bytes on top, once.
   void grant(std::size_t bytes) { tokens_.grant(bytes); }
+  /// Whether some of these are left.
+  [[nodiscard]] bool has_grant() const { return tokens_.exceeds_burst(); }
 
   [[nodiscard]] double bytes_per_s() const { return rate_; }
   [[nodiscard]] Duration queueing() const { return queueing_; }

@@ -16,7 +16,8 @@ using Change = LocalizerSelector::Change;
 LocalizerSelector::Config config() {
   LocalizerSelector::Config config = read_localizer_selector_config(
       ConfigReader::from_string(default_config("robot")).section("client").section("selector"));
-  config.status_timeout_s = 6.0;  // of localizers that tell their status as often as those here
+  config.known.status_timeout_s =
+      6.0;  // of localizers that tell their status as often as those here
   return config;
 }
 
@@ -33,6 +34,8 @@ class LocalizerSelectorTest : public testing::Test {
     bool accepting = true;
     bool answers = true;
     bool lives = true;
+    bool draining = false;
+    int sessions = 0;
   };
 
   /// Status, submaps and answers, as they come.
@@ -51,16 +54,27 @@ class LocalizerSelectorTest : public testing::Test {
           chosen.incarnation == static_cast<std::uint32_t>(selector_.incarnation())) {
         selector_.answered(now);
       }
+      answer_as_successor(now);
     }
+  }
+
+  void answer_as_successor(Timestamp now) {
+    if (!selector_.successor()) return;
+    const Localizer& next = localizers_.at(selector_.successor()->name);
+    if (!next.lives || !next.answers) return;
+    selector_.take_over(now);
+    selector_.answered(now);
+    changes_.push_back(Change::kChosen);
   }
 
   static LocalizerStatus status(const std::string& name, const Localizer& localizer) {
     return {.localizer = name,
             .incarnation = Incarnation{localizer.incarnation},
             .map_hash = {localizer.map},
-            .sessions = 0,
+            .sessions = localizer.sessions,
             .load = localizer.load,
-            .accepting = localizer.accepting};
+            .accepting = localizer.accepting && !localizer.draining,
+            .draining = localizer.draining};
   }
 
   double now_s_ = 0.0;
@@ -91,6 +105,83 @@ TEST_F(LocalizerSelectorTest, MovesWhenAnswersStopAndAvoidsTheSilentOne) {
   EXPECT_EQ(selector_.name(), "b") << "a is still excluded";
   play(25.0);
   EXPECT_EQ(selector_.name(), "a");
+}
+
+TEST_F(LocalizerSelectorTest, LeavesADrainingLocalizerOnceAnotherOneAnswers) {
+  localizers_["a"] = {};
+  play(5.0);
+  localizers_["a"].draining = true;
+  play(8.0);
+  EXPECT_EQ(selector_.name(), "a") << "nobody else takes robots";
+  EXPECT_EQ(changes_.size(), 1);
+  localizers_["b"] = {.answers = false};
+  play(8.5);
+  ASSERT_TRUE(selector_.successor().has_value()) << "begun at once";
+  EXPECT_EQ(selector_.name(), "a") << "which still answers";
+  localizers_["b"].answers = true;
+  play(8.8);
+  EXPECT_EQ(selector_.name(), "b");
+  localizers_["a"] = {.incarnation = 2};
+  play(30.0);
+  EXPECT_EQ(selector_.name(), "b");
+  EXPECT_EQ(changes_, (std::vector{Change::kChosen, Change::kSuccessor, Change::kChosen}));
+}
+
+TEST_F(LocalizerSelectorTest, StaysWithALocalizerThatWasOnlySilentForAWhile) {
+  localizers_["a"] = {};
+  play(5.0);
+  localizers_["a"].answers = false;
+  localizers_["b"] = {.answers = false};
+  play(8.0);
+  ASSERT_TRUE(selector_.successor().has_value());
+  localizers_["a"].answers = true;
+  play(60.0);
+  EXPECT_EQ(selector_.name(), "a");
+  EXPECT_EQ(changes_, (std::vector{Change::kChosen, Change::kSuccessor, Change::kStays}));
+}
+
+TEST_F(LocalizerSelectorTest, TriesAFullLocalizerOnlyWhenItsOwnIsDead) {
+  localizers_["a"] = {};
+  play(5.0);
+  localizers_["full"] = {.accepting = false};
+  localizers_["a"].draining = true;
+  play(10.0);
+  EXPECT_EQ(selector_.name(), "a");
+  localizers_["a"].answers = false;
+  play(14.0);
+  EXPECT_EQ(selector_.name(), "full");
+}
+
+TEST_F(LocalizerSelectorTest, TriesTheThirdWhenTheSecondDoesNotAnswerEither) {
+  for (const char* name : {"a", "b", "c"}) localizers_[name] = {};
+  play(5.0);
+  const std::string chosen = selector_.name();
+  const std::string second = selector_.standbys(1, at(now_s_)).front();
+  localizers_[chosen].lives = false;
+  localizers_[second].lives = false;
+  play(12.0);
+  EXPECT_NE(selector_.name(), chosen);
+  EXPECT_NE(selector_.name(), second);
+}
+
+TEST_F(LocalizerSelectorTest, NoticesSilenceSoonerThanItWouldComeByLossAlone) {
+  const auto noticed_s = [](double loss) {
+    LocalizerSelector selector("robot", config());
+    for (const char* name : {"a", "b"}) selector.update(status(name, {}), at(0));
+    const LocalizerSelector::Link link{.round_trip = std::chrono::milliseconds(200), .loss = loss};
+    selector.decide(at(0), link);
+    selector.answered(at(1.0));
+    selector.sent(at(1.5));
+    for (int ms = 1500; ms < 60'000; ms += 10) {
+      for (const char* name : {"a", "b"}) selector.update(status(name, {}), at(1e-3 * ms));
+      if (selector.decide(at(1e-3 * ms), link) == Change::kSuccessor) return 1e-3 * ms - 1.5;
+    }
+    return 60.0;
+  };
+  EXPECT_NEAR(noticed_s(0.0), 1.6, 0.05);
+  EXPECT_NEAR(noticed_s(0.5), 1.8, 0.1);
+  EXPECT_NEAR(noticed_s(0.7), 3.1, 0.1);
+  EXPECT_GT(noticed_s(0.9), 9.0);
 }
 
 TEST_F(LocalizerSelectorTest, StaysWithASilentLocalizerIfThereIsNoOther) {

@@ -18,11 +18,10 @@
 
 namespace fleetloc {
 
-/// What a robot's end of the protocol has sent of the present stream, as far as acknowledgements
-/// that have reached it tell; kept apart from the code under test.
+/// What a robot's end of the protocol has sent of one stream to one localizer, as far as
+/// acknowledgements that have reached it tell; kept apart from the code under test.
 class StreamModel {
  public:
-  void restart();
   void sent(const Submap& sample);
   void acknowledged(const Acknowledgements& acknowledgements);
 
@@ -78,13 +77,21 @@ class ModelRobot {
 
  private:
   class Tap;
+  /// To one incarnation of a localizer; beside it there may be that to a successor.
+  struct Stream {
+    Incarnation incarnation{};
+    SessionNumber session{};
+    StreamModel model;
+    Timestamp idle_since{};  // connected, with a keyframe that is missing, and silent
+  };
 
   void add_keyframe();
   void submit();
   void sent(const std::string& localizer, const Message& message);
   void received(const Message& message);
   void take_answers();
-  void check_repetition(const Submap& sample) const;
+  void announced(const std::string& localizer, const RobotSession& session);
+  void check_repetition(const StreamModel& stream, const Submap& sample) const;
   void check_is_not_idle();
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
 
@@ -103,11 +110,9 @@ class ModelRobot {
   std::uint32_t next_keyframe_ = 0;
   Timestamp next_keyframe_at_{};
   Timestamp moving_since_{};
-  StreamModel stream_;
-  std::tuple<std::string, Incarnation, SessionNumber> stream_key_;
+  std::map<std::string, Stream> streams_;  // by localizer
   std::optional<std::pair<std::string, Message>> last_sample_;
   std::optional<Message> last_answer_;
-  Timestamp idle_since_{};  // connected, with a keyframe that is missing, and silent
   std::size_t freed_bytes_ = 0;
   std::optional<KeyframeId> answered_;
   std::set<std::tuple<std::string, Incarnation, KeyframeId, Revision, LocalizationStatus>> answers_;

@@ -28,6 +28,7 @@ SubmapUplink::Config some_config() {
           .max_payload_bytes = 1200,
           .min_pause_s = 0.05,
           .handover_datagrams = 6,
+          .handover_pause_s = 0.2,
           .budget = {.max_bytes_per_s = 3000.0,
                      .max_bytes_per_s_high_loss = 6000.0,
                      .high_loss = 0.75,
