@@ -258,11 +258,13 @@ void CloudClient::begin_successor(Timestamp now) {
 void CloudClient::drop_successor() {
   if (!successor_) return;
   if (!stream_.localizer().empty()) count(stream_.announce_to(successor_->localizer(), clock_));
+  stream_.note_numbers_of(*successor_);
   successor_.reset();
 }
 
 void CloudClient::hand_over() {
   const std::string left = stream_.localizer();
+  successor_->note_numbers_of(stream_);
   stream_ = *std::exchange(successor_, std::nullopt);
   status_timer_.reset();
   note_chosen();

@@ -13,6 +13,7 @@ void LocalizerStream::start_session(const RobotSession& session) {
   announcer_.start(session);
   announcer_.set_encoding(uplink_.encoding());
   uplink_.start_session(session.stereo);
+  used_numbers_ = 0;
 }
 
 expected<void, MessageRefusal> LocalizerStream::begin(const std::string& localizer,
@@ -23,7 +24,7 @@ expected<void, MessageRefusal> LocalizerStream::begin(const std::string& localiz
   if (!has_session()) return {};
   answers_ = {};
   receipt_ = {};
-  uplink_.restart(session().session, incarnation);
+  uplink_.restart(session().session, incarnation, used_numbers_);
   return announce(announcer_.announcement(localizer, incarnation, time.now), time.clock);
 }
 

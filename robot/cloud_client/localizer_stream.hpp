@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "robot/cloud_client/message_refusal.hpp"
@@ -48,6 +50,11 @@ class LocalizerStream {
                                        Incarnation incarnation,
                                        const Time& time);
   void end() { localizer_.clear(); }
+  /// The next begin() uses no sample number of that stream again, which is of the same session: the
+  /// localizer may remember it.
+  void note_numbers_of(const LocalizerStream& other) {
+    used_numbers_ = std::max({used_numbers_, other.used_numbers_, other.uplink_.sender().sent()});
+  }
 
   /// Announces the session again, if that is due.
   expected<void, MessageRefusal> repeat_announcement(const Time& time);
@@ -85,8 +92,9 @@ class LocalizerStream {
   Incarnation incarnation_{};
   SessionAnnouncer announcer_;
   SubmapUplink uplink_;
-  SubmapReceiver answers_;  // by their numbers
-  AnswerReceipt receipt_;   // what the localizer is told of them
+  std::uint32_t used_numbers_ = 0;  // below it, in other streams of this session
+  SubmapReceiver answers_;          // by their numbers
+  AnswerReceipt receipt_;           // what the localizer is told of them
 };
 
 }  // namespace fleetloc

@@ -47,8 +47,8 @@ void SubmapUplink::start_session(const RectifiedStereo& stereo) {
   has_unsent_ = false;
 }
 
-void SubmapUplink::restart(SessionNumber session, Incarnation incarnation) {
-  sender_.restart(session, incarnation);
+void SubmapUplink::restart(SessionNumber session, Incarnation incarnation, std::uint32_t used) {
+  sender_.restart(session, incarnation, used);
   record_.clear();
   planned_.reset();
   has_unsent_ = !history_.empty();

@@ -140,6 +140,43 @@ TEST_F(CloudClientTest, BringsTheNextOneEverythingWhileADrainingOneAnswers) {
   EXPECT_EQ(client_.statistics().localizer, "busy");
 }
 
+TEST_F(CloudClientTest, ALocalizerThatItComesBackToGetsNoNumberTwice) {
+  announce(*idle_, "idle", 0.1, 0);
+  client_.start_session(some_session(), at(1));
+  int ms = 20;
+  const auto play_until = [&](int end) {
+    for (; ms < end; ms += 20) {
+      if (ms % 100 == 0 && ms <= 3000) {
+        client_.submit(submap_of(static_cast<std::uint32_t>(ms / 100)), at(ms));
+      }
+      if (ms % 500 == 0) {
+        idle_->send("robot", {Topic::kLocalization, encode(answer("idle", 1))}, at(ms));
+      }
+      static_cast<void>(client_.take_answers(at(ms)));
+    }
+  };
+  play_until(20'000);  // then nothing is left to be sent to it
+  announce(*busy_, "busy", 0.9, ms);
+  drain(*idle_, "idle", ms);
+  play_until(23'000);
+  drain(*busy_, "busy", ms);
+  play_until(23'100);
+  EXPECT_EQ(client_.statistics().successors, 1);
+  announce(*busy_, "busy", 0.9, ms);
+  play_until(36'000);
+  EXPECT_EQ(client_.statistics().successors, 2) << "nothing was tried";
+  EXPECT_EQ(client_.statistics().localizer, "idle");
+  std::set<SampleNumber> numbers;
+  std::size_t samples = 0;
+  for (const Message& message : busy_->receive(at(36'000))) {
+    if (message.topic != Topic::kCompactSubmap) continue;
+    numbers.insert(decode_submap_sample(message.payload).value().number);
+    ++samples;
+  }
+  EXPECT_GT(samples, 10);
+  EXPECT_EQ(numbers.size(), samples);
+}
+
 TEST_F(CloudClientTest, WithANewSessionTheHandoverBeginsAnew) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));
