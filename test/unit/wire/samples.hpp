@@ -132,8 +132,7 @@ inline LocalizerStatus some_localizer_status() {
           .map_hash = {9, 8, 7},
           .sessions = 31,
           .load = 0.25,
-          .accepting = false,
-          .draining = true};
+          .accepting = true};
 }
 
 inline RobotStatus some_robot_status() {
