@@ -13,6 +13,12 @@ namespace {
 constexpr std::size_t kMaxEvents = 100;  // further ones are dropped
 constexpr std::size_t kMaxGiven = 64;    // some ten seconds: repetitions may be late
 
+// Between the oldest and the newest keyframe that the answer's pose rests on.
+double window_s(const LocalizationResult& answer) {
+  const bool has_pose = answer.status == LocalizationStatus::kLocalized;
+  return has_pose ? to_seconds(answer.stamp - answer.oldest_stamp) : 0.0;
+}
+
 }  // namespace
 
 CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
@@ -32,6 +38,7 @@ void CloudClient::start_session(const RobotSession& session, Timestamp clock) {
   stream_.start_session(session);
   session_started_ = now;
   given_.clear();
+  window_s_ = 0.0;
   localized_.reset();
   correction_.reset();
   corrected_anchor_.reset();
@@ -148,15 +155,25 @@ std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& paylo
     answered_map_ = answer.map_hash;
     localized_ = now;
   }
+  window_s_ = window_s(answer);
   ++statistics_.answers_received;
   return std::move(answer);
 }
 
-// Where the old one is silent, or has had no pose for long, nothing gets worse.
+// With a pose, from a window that is about as long as the old one's: the first keyframes that it
+// gets may be too few to go on with. Where the old one is silent, or has had no pose for long,
+// nothing gets worse.
 bool CloudClient::may_take_over(const LocalizationResult& answer, Timestamp now) const {
   constexpr double kLongSeconds = 10.0;
-  return answer.status == LocalizationStatus::kLocalized || selector_.successor()->is_urgent ||
-         !localized_ || to_seconds(now - *localized_) > kLongSeconds;
+  constexpr double kPatienceSeconds = 4.0;  // under loss not all keyframes arrive
+  constexpr double kShareOfWindow = 0.8;
+  const auto& successor = *selector_.successor();
+  if (successor.is_urgent || !localized_ || to_seconds(now - *localized_) > kLongSeconds) {
+    return true;
+  }
+  if (answer.status != LocalizationStatus::kLocalized) return false;
+  if (to_seconds(now - successor.since) > kPatienceSeconds) return true;
+  return window_s(answer) >= kShareOfWindow * window_s_;
 }
 
 expected<void, MessageRefusal> CloudClient::check(const LocalizerStream& stream,

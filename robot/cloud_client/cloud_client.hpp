@@ -30,7 +30,8 @@ class ConfigReader;
 ///
 /// A handover to another localizer makes before it breaks: the successor is brought the session and
 /// all keyframes that it can use, while the old one is sent what it always was and answers as long
-/// as it can. With its first pose the successor takes over, and the old one is told.
+/// as it can. With its first pose from about as long a window the successor takes over, and the old
+/// one is told.
 ///
 /// The robot's clock may be set meanwhile, forward or back.
 ///
@@ -135,6 +136,7 @@ class CloudClient final : public MapLocalizer {
   std::optional<MapHash> answered_map_;  // of the newest answer with a pose
   StatusTimer status_timer_;
   std::deque<AnswerIdentity> given_;            // the latest answers of this session
+  double window_s_ = 0.0;                       // that the latest of them rests on
   std::optional<Timestamp> localized_;          // arrival of the latest answer with a pose
   std::optional<Correction> correction_;        // not yet consumed
   std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
