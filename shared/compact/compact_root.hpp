@@ -16,8 +16,8 @@ namespace fleetloc {
 
 /// A positive semi-definite matrix in small integers, as R^T R with R upper triangular. What is
 /// decoded is positive semi-definite, too, and the same bits on every machine. Entries of R are
-/// truncated towards zero, by up to 1/127 of their scale: directions without information stay nearly
-/// so.
+/// truncated towards zero, by up to 1/127 of their scale: directions without information stay
+/// nearly so.
 template <int N>
 struct CompactRoot {
   static constexpr std::size_t kScales = N / 3;
