@@ -213,11 +213,11 @@ made_up_world() {
   finish
 
   begin run "${#names[@]} robots and ${#localizer_names[@]} localizers, DDS domain $domain, rate $rate"
-  start_localizers "$world/map/map.pcd" "$root/qos_profiles/wifi.xml" "${localizer_names[@]}"
+  start_localizers "$world/map/map.pcd" "$root/qos_profiles/nbiot.xml" "${localizer_names[@]}"
   for name in "${names[@]}"; do
     rm -rf "${out:?}/$name"
     start "$name" "$bin/fleetloc-robot" --robot-id "$name" --dataset "$world/drives/$name" \
-      --qos "$root/qos_profiles/wifi.xml" --link "$demo/link.yaml" --domain "$domain" \
+      --qos "$root/qos_profiles/nbiot.xml" --link "$demo/link.yaml" --domain "$domain" \
       --rate "$rate" --initial-pose "$(cat "$world/drives/$name.start")" \
       --out "$out/$name" >"$out/$name.log" 2>&1
     robots+=("$child")

@@ -36,15 +36,27 @@ for headers in eigen3/Eigen nlohmann tl; do
 done
 
 cd "$root"
+# As fleetloc_embed() does it.
+mkdir -p "$build/include/shared/compact"
+{
+  printf '#pragma once\n#include <string_view>\n'
+  printf 'namespace fleetloc {\ninline constexpr std::string_view kCompactModelsText = R"embedded('
+  cat idl/compact_models.txt
+  printf ')embedded";\n}\n'
+} >"$build/models.hpp"
+cmp -s "$build/models.hpp" "$build/include/shared/compact/compact_models_text.hpp" ||
+  cp "$build/models.hpp" "$build/include/shared/compact/compact_models_text.hpp"
+
 sources="shared/coding/range_decoder.cpp shared/coding/range_encoder.cpp
   shared/compact/compact_submap.cpp shared/compact/correction_block.cpp
   shared/compact/observation_predictor.cpp shared/compact/quantization.cpp
-  shared/compact/strict_pose.cpp shared/compact/submap_block.cpp shared/compact/turn.cpp
+  shared/compact/strict_pose.cpp shared/compact/submap_block.cpp shared/compact/trained_models.cpp
+  shared/compact/turn.cpp
   shared/geometry/*.cpp shared/wire/malformed.cpp test/unit/compact/check_vectors.cpp"
 for source in $sources; do
   object=$build/$(basename "$source" .cpp).o
   if [ -e "$object" ] &&
-    [ -z "$(find shared test/unit/compact -name '*.[ch]pp' -newer "$object" | head -n 1)" ]; then
+    [ -z "$(find shared test/unit/compact "$build/include/shared" -name '*.[ch]pp' -newer "$object" | head -n 1)" ]; then
     continue
   fi
   # As the project builds shared/compact.

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "shared/geometry/covariance.hpp"
+
 namespace fleetloc {
 
 using enum Rejection;
@@ -84,9 +86,11 @@ Acceptance::Verdict Acceptance::check_certainty(
 }
 
 Acceptance::Verdict Acceptance::confirm(const MapFit& fit,
+                                        const PoseWithCovariance& predicted,
                                         const Pose& T_odom_body,
                                         double travelled_m) {
-  const bool is_sure = is_confident(fit.association);
+  const bool is_sure =
+      is_confident(fit.association) || start_.is_vouched_for(predicted, fit.T_map_body);
   if (!start_.take(fit.T_map_body, T_odom_body, travelled_m, is_sure)) {
     return unexpected(kUnconfirmed);
   }
@@ -120,6 +124,16 @@ bool StartConfirmation::take(const Pose& T_map_body,
   return confirmed_;
 }
 
+// By that of a robot that another localizer has localized; one that was set by hand is not as
+// certain.
+bool StartConfirmation::is_vouched_for(const PoseWithCovariance& predicted,
+                                       const Pose& T_map_body) const {
+  const double sigma_rad = max_sigma(predicted.covariance.topLeftCorner<3, 3>());
+  const double sigma_m = max_sigma(predicted.covariance.bottomRightCorner<3, 3>());
+  return sigma_m <= config_.certain_start_m && sigma_rad <= config_.certain_start_rad &&
+         (T_map_body.p - predicted.T_map_body.p).norm() <= config_.tolerance_m;
+}
+
 Acceptance::Config read_acceptance_config(ConfigReader section) {
   return {.min_keyframes = section.integer("min_keyframes", 1, 1000),
           .min_matches = section.integer("min_matches", 3, 10000),
@@ -138,7 +152,10 @@ Acceptance::Config read_acceptance_config(ConfigReader section) {
 }
 
 StartConfirmation::Config read_start_confirmation_config(ConfigReader section) {
-  return {.path_m = section.positive("path_m"), .tolerance_m = section.positive("tolerance_m")};
+  return {.path_m = section.positive("path_m"),
+          .tolerance_m = section.positive("tolerance_m"),
+          .certain_start_m = section.positive("certain_start_m"),
+          .certain_start_rad = section.positive("certain_start_rad")};
 }
 
 }  // namespace fleetloc

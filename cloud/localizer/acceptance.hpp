@@ -19,8 +19,10 @@ namespace fleetloc {
 class StartConfirmation {
  public:
   struct Config {
-    double path_m;       ///< over which T_map_odom must stay
-    double tolerance_m;  ///< of the position, within which it stays
+    double path_m;           ///< over which T_map_odom must stay
+    double tolerance_m;      ///< of the position, within which it stays
+    double certain_start_m;  ///< sigmas of a start pose that itself confirms a solution within the
+    double certain_start_rad;  ///< tolerance: another localizer has localized the robot
   };
 
   explicit StartConfirmation(const Config& config) : config_(config) {}
@@ -30,6 +32,11 @@ class StartConfirmation {
   /// @param is_confident      the solution needs no confirmation
   /// @return whether this solution and those that follow are accepted
   bool take(const Pose& T_map_body, const Pose& T_odom_body, double travelled_m, bool is_confident);
+
+  /// Whether the start pose itself confirms a solution.
+  /// @param predicted  of the newest keyframe by the start pose, with the drift since then
+  [[nodiscard]] bool is_vouched_for(const PoseWithCovariance& predicted,
+                                    const Pose& T_map_body) const;
 
   /// Of the last solution; nothing once the session is confirmed.
   [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }
@@ -95,8 +102,12 @@ class Acceptance {
   [[nodiscard]] Verdict check_certainty(const std::optional<AnswerCovariance>& stated) const;
 
   /// At last, whether the session's first place is the right one; see StartConfirmation.
+  /// @param predicted    of the newest keyframe
   /// @param travelled_m  by the odometry until then
-  Verdict confirm(const MapFit& fit, const Pose& T_odom_body, double travelled_m);
+  Verdict confirm(const MapFit& fit,
+                  const PoseWithCovariance& predicted,
+                  const Pose& T_odom_body,
+                  double travelled_m);
 
   /// By the last solution, while the session's first place is unconfirmed.
   [[nodiscard]] const std::optional<Pose>& unconfirmed_T_map_odom() const {

@@ -42,19 +42,35 @@ DeadReckoning::DeadReckoning(const std::optional<MapOdomEstimate>& start, const 
       anchor_(anchor_at(start)),
       begin_odom_(anchor_ ? anchor_->T_odom_body.p : Eigen::Vector3d::Zero()) {}
 
+// The keyframe that is nearest to where the start pose was known is as far from there as it looks;
+// from it the path goes on to both sides.
+void DeadReckoning::begin_path(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes) {
+  const auto distance = [&](const auto& item) {
+    return (item.second.item.T_odom_body.p - begin_odom_).norm();
+  };
+  const auto nearest = std::ranges::min_element(keyframes, {}, distance);
+  path_[nearest->first] = {nearest->second.item.T_odom_body.p, distance(*nearest)};
+}
+
 void DeadReckoning::follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes) {
+  if (keyframes.empty()) return;
+  if (path_.empty()) begin_path(keyframes);
+  // Those before the first one that is known, from it backwards.
+  for (auto it = std::make_reverse_iterator(keyframes.lower_bound(path_.begin()->first));
+       it != keyframes.rend();
+       ++it) {
+    const PathPoint& next = path_.begin()->second;
+    const Eigen::Vector3d& p_odom = it->second.item.T_odom_body.p;
+    path_[it->first] = {p_odom, next.travelled_m - (next.p_odom - p_odom).norm()};
+  }
   for (const auto& [id, keyframe] : keyframes) {
     // A keyframe may arrive late, between two that are known: those keep what was measured.
     const auto next = path_.lower_bound(id);
     if (next != path_.end() && next->first == id) continue;
-    PathPoint point{.p_odom = keyframe.item.T_odom_body.p, .travelled_m = 0.0};
-    if (next == path_.begin()) {
-      point.travelled_m = (point.p_odom - begin_odom_).norm();
-    } else {
-      const PathPoint& before = std::prev(next)->second;
-      point.travelled_m = before.travelled_m + (point.p_odom - before.p_odom).norm();
-    }
-    path_.emplace_hint(next, id, point);
+    const PathPoint& before = std::prev(next)->second;
+    const Eigen::Vector3d& p_odom = keyframe.item.T_odom_body.p;
+    path_.emplace_hint(
+        next, id, PathPoint{p_odom, before.travelled_m + (p_odom - before.p_odom).norm()});
   }
   path_.erase(path_.begin(), path_.lower_bound(keyframes.begin()->first));
 }
@@ -79,7 +95,12 @@ PosePrior DeadReckoning::prior(const std::vector<KeyframeId>& window,
   if (is_localized() && std::ranges::binary_search(window, *anchor_->keyframe)) {
     return {*anchor_->keyframe, anchor_->estimate};
   }
-  return {window.front(), at(database.keyframe(window.front()).item)};
+  KeyframeId keyframe = window.front();
+  if (!is_localized()) {
+    keyframe = *std::ranges::min_element(
+        window, {}, [this](KeyframeId id) { return std::abs(travelled_m(id)); });
+  }
+  return {keyframe, at(database.keyframe(keyframe).item)};
 }
 
 DriftConfig read_drift_config(ConfigReader section) {

@@ -61,12 +61,15 @@ class DeadReckoning {
   /// What follows needs an anchor.
   [[nodiscard]] Pose T_map_odom() const;
   [[nodiscard]] PoseWithCovariance at(const SubmapKeyframe& keyframe) const;
-  /// The anchor itself while it is in the window; before the first localization, or once that
-  /// keyframe has left the window, dead-reckoned to the window's oldest keyframe.
+  /// The anchor itself while it is in the window; once that keyframe has left the window,
+  /// dead-reckoned to the window's oldest keyframe. Before the first localization dead-reckoned to
+  /// the keyframe that is nearest to the start pose: at the start of a drive the oldest one, but
+  /// the newest one of a robot that comes from another localizer with all its keyframes.
   [[nodiscard]] PosePrior prior(const std::vector<KeyframeId>& window,
                                 const SessionDatabase& database) const;
 
-  /// Path length up to a keyframe of follow(), from where the start pose was known [m].
+  /// Path length up to a keyframe of follow(), from where the start pose was known [m]; negative
+  /// before it.
   [[nodiscard]] double travelled_m(KeyframeId keyframe) const {
     return path_.at(keyframe).travelled_m;
   }
@@ -76,6 +79,8 @@ class DeadReckoning {
     Eigen::Vector3d p_odom;
     double travelled_m;
   };
+
+  void begin_path(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes);
 
   DriftConfig drift_;
   std::optional<PoseAnchor> anchor_;

@@ -15,16 +15,25 @@ namespace {
 constexpr double kMinLever = 0.1;         // [m]
 constexpr double kMinInformation = 1e-6;  // [1/m^2]
 
+}  // namespace
+
+double lever(const std::vector<Eigen::Vector3d>& p_map, const Eigen::Vector3d& center_map) {
+  std::vector<double> distances;
+  distances.reserve(p_map.size());
+  for (const Eigen::Vector3d& p : p_map) distances.push_back((p - center_map).norm());
+  return std::max(percentile(std::move(distances), 0.5).value_or(0.0), kMinLever);
+}
+
+namespace {
+
 WindowMotion motion_about(const std::vector<MapMatch>& matches) {
   WindowMotion motion;
-  for (const MapMatch& match : matches) motion.center_map += match.landmark.p_map;
-  motion.center_map /= static_cast<double>(matches.size());
-  std::vector<double> distances;
-  distances.reserve(matches.size());
-  for (const MapMatch& match : matches) {
-    distances.push_back((match.landmark.p_map - motion.center_map).norm());
-  }
-  motion.lever_m = std::max(*percentile(std::move(distances), 0.5), kMinLever);
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(matches.size());
+  for (const MapMatch& match : matches) positions.push_back(match.landmark.p_map);
+  for (const Eigen::Vector3d& p_map : positions) motion.center_map += p_map;
+  motion.center_map /= static_cast<double>(positions.size());
+  motion.lever_m = lever(positions, motion.center_map);
   return motion;
 }
 

@@ -10,6 +10,10 @@
 
 namespace fleetloc {
 
+/// By how much a turn about the center moves points: their median distance from it, 0.1 m at least
+/// [m/rad].
+double lever(const std::vector<Eigen::Vector3d>& p_map, const Eigen::Vector3d& center_map);
+
 /// A rigid motion of the whole window, in map axes: x_map becomes center + Exp(theta) (x_map -
 /// center) + t. Its coordinates are [lever * theta, t], all in metres.
 struct WindowMotion {

@@ -117,10 +117,17 @@ double RelativeMarginals::Covariances<N>::gain() const {
 template struct RelativeMarginals::Covariances<3>;
 template struct RelativeMarginals::Covariances<6>;
 
+int correctable_keyframes(Duration interval, Duration round_trip, const CorrectionConfig& config) {
+  const double newer = to_seconds(round_trip) / to_seconds(interval);
+  if (newer >= config.robot_window) return 0;
+  return std::min(config.keyframes, config.robot_window - static_cast<int>(newer));
+}
+
 std::optional<RelativeMarginals> relative_marginals(const WindowSystem& system,
+                                                    int keyframes,
                                                     const CorrectionConfig& config) {
   const auto count = static_cast<int>(system.keyframes.size());
-  const int first = std::max(0, count - config.keyframes);
+  const int first = std::max(0, count - keyframes);
   const auto landmarks = candidates(system, first, config);
   int oldest = first;
   for (const auto* landmark : landmarks) oldest = std::min(oldest, oldest_observer(*landmark));
@@ -186,6 +193,7 @@ Correction map_correction(const RelativeMarginals& marginals, const CorrectionCo
 
 CorrectionConfig read_correction_config(ConfigReader section) {
   return {.keyframes = section.integer("keyframes", 2, 17),
+          .robot_window = section.integer("robot_window", 2, 100),
           .max_landmarks = section.integer("max_landmarks", 0, 128),
           .max_landmark_sigma_m = section.positive("max_landmark_sigma_m"),
           .min_gain = section.positive("min_gain"),

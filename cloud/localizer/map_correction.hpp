@@ -7,12 +7,14 @@
 
 #include "cloud/localizer/window_system.hpp"
 #include "shared/config/config_reader.hpp"
+#include "shared/core/time.hpp"
 #include "shared/model/correction.hpp"
 
 namespace fleetloc {
 
 struct CorrectionConfig {
-  int keyframes;                ///< number of the latest ones, which are corrected
+  int keyframes;                ///< number of the latest ones, at most, which are corrected
+  int robot_window;             ///< keyframes; what has left the robot's window is of no use
   int max_landmarks;            ///< those with the largest information gain
   double max_landmark_sigma_m;  ///< by the robot's measurements, given its poses
   double min_gain;              ///< items with a smaller information gain are not sent [nat]
@@ -54,11 +56,18 @@ struct RelativeMarginals {
   std::vector<Landmark> landmarks;           ///< increasing by id
 };
 
-/// For the latest `config.keyframes` keyframes and the matched landmarks that they observe, at most
+/// How many of the latest keyframes (the paper's l) the robot will still have in its window when a
+/// correction arrives, at most `config.keyframes`.
+/// @param interval    between keyframes, positive
+/// @param round_trip  of the network: from sending a keyframe to the arrival of its answer
+int correctable_keyframes(Duration interval, Duration round_trip, const CorrectionConfig& config);
+
+/// For the latest `keyframes` keyframes and the matched landmarks that they observe, at most
 /// twice `config.max_landmarks` of these. To other landmarks the map adds nothing beyond the
 /// relative poses.
 /// @return nothing if one of the systems is singular
 std::optional<RelativeMarginals> relative_marginals(const WindowSystem& system,
+                                                    int keyframes,
                                                     const CorrectionConfig& config);
 
 /// The items of a correction (for e_pp and e_rt; paper, eq. 9 and 10): values with the map, and the

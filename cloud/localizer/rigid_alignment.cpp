@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "cloud/localizer/degeneracy.hpp"
@@ -13,6 +14,7 @@ namespace fleetloc {
 namespace {
 
 constexpr double kMaxScore = 9.0;  // of a landmark: three sigmas, squared
+constexpr double kMaxSteps = 8.0;  // of starts along an axis, to either side
 
 std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int max_count) {
   const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
@@ -42,20 +44,28 @@ Pose motion_of(const Eigen::Vector3d& theta,
   return {R, center_map - R * center_map + t};
 }
 
-// The prior itself, and both directions along x, y and yaw of the map.
-std::vector<Pose> starts_around(const PoseWithCovariance& prior, double sigmas) {
-  const Eigen::Matrix3d R = prior.T_map_body.R.toRotationMatrix();
-  const Eigen::Matrix3d rotation = R * prior.covariance.topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::Matrix3d position = R * prior.covariance.bottomRightCorner<3, 3>() * R.transpose();
+// The prior itself, and both directions along the principal axes of its yaw, x and y: a robot that
+// has driven on from a start that was turned is off sideways as well. They are as dense as the gate
+// is wide, up to a number of them.
+std::vector<Pose> starts_around(const PoseWithCovariance& prior,
+                                double lever_m,
+                                double sigmas,
+                                double gate_m) {
+  const Matrix6d map_axes = adjoint({prior.T_map_body.R, Eigen::Vector3d::Zero()});
+  const Matrix6d covariance = map_axes * prior.covariance * map_axes.transpose();
+  const Eigen::DiagonalMatrix<double, 3> scale(lever_m, 1.0, 1.0);
+  const Eigen::Matrix3d planar = scale * covariance.block<3, 3>(2, 2) * scale;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(planar);
   std::vector<Pose> starts{Pose{}};
-  for (const double sign : {-sigmas, sigmas}) {
-    for (int axis = 0; axis < 2; ++axis) {
-      const Eigen::Vector3d t =
-          sign * std::sqrt(position(axis, axis)) * Eigen::Vector3d::Unit(axis);
-      starts.push_back(motion_of(Eigen::Vector3d::Zero(), t, prior.T_map_body.p));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double reach_m = sigmas * std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
+    const int steps = static_cast<int>(std::clamp(std::ceil(reach_m / gate_m), 1.0, kMaxSteps));
+    for (int step = -steps; step <= steps; ++step) {
+      if (step == 0) continue;
+      const Eigen::Vector3d moved = reach_m * step / steps * axes.eigenvectors().col(axis);
+      const Eigen::Vector3d yaw = moved(0) / lever_m * Eigen::Vector3d::UnitZ();
+      starts.push_back(motion_of(yaw, {moved(1), moved(2), 0.0}, prior.T_map_body.p));
     }
-    const Eigen::Vector3d yaw = sign * std::sqrt(rotation(2, 2)) * Eigen::Vector3d::UnitZ();
-    starts.push_back(motion_of(yaw, Eigen::Vector3d::Zero(), prior.T_map_body.p));
   }
   return starts;
 }
@@ -97,7 +107,11 @@ Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
                            const std::optional<Pose>& guess) const {
   if (landmarks.empty()) return Pose{};
   const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
-  std::vector<Pose> starts = starts_around(prior, config_.start_sigmas);
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(some.size());
+  for (const WindowLandmark& landmark : some) positions.push_back(landmark.p_map);
+  const double lever_m = lever(positions, prior.T_map_body.p);
+  std::vector<Pose> starts = starts_around(prior, lever_m, config_.start_sigmas, gates.first_m);
   if (guess) starts.push_back(*guess);
   std::vector<Aligned> results;
   results.reserve(starts.size());

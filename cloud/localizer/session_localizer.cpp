@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 namespace fleetloc {
@@ -91,22 +92,25 @@ Pose SessionLocalizer::align(const Prediction& prediction) const {
   return alignment_.align(problem_.landmarks(), prior, gates, guess);
 }
 
-// Rounds of association and optimization, with a gate that shrinks. They end where the pose has
-// settled, or where acceptance will reject the window.
+// Rounds of association and optimization of E_loc (eq. 16), with a gate that shrinks. They end
+// where the pose has settled, or where acceptance will reject the window.
 MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
   const auto& rounds = config_.rounds;
+  const Convergence& until = prediction.is_rough ? rounds.rough : rounds.tracking;
   const KeyframeId newest = database_.newest().item.id;
   MapFit fit;
   double gate_m = rounds.tracking_gate_m;
-  for (int round = 0; round < rounds.max_rounds; ++round) {
+  for (int round = 0; round < until.max_rounds; ++round) {
     const Pose before = problem_.pose(newest);
     fit.association = associate(problem_.landmarks(), *map_, gate_m, config_.association, nearest_);
     if (!acceptance_.check_matches(fit.association)) break;
     fit.constraint = analyze_map_constraint(fit.association.matches, config_.degeneracy);
-    fit.add(optimize(prediction, fit.association.matches, fit.constraint));
+    restrain(prediction, fit.constraint);
+    problem_.set_matches(fit.association.matches);
+    fit.add(problem_.solve(until.iterations, until.min_decrease));
     if (!fit.is_solved) break;
     const double moved_m = local_coordinates(before, problem_.pose(newest)).norm();
-    if (gate_m <= rounds.final_gate_m && moved_m < rounds.settled_m) break;
+    if (gate_m <= rounds.final_gate_m && moved_m < until.settled_m) break;
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
@@ -117,17 +121,13 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
   return fit;
 }
 
-// E_loc (eq. 16), from the values of the round before.
-WindowProblem::Solved SessionLocalizer::optimize(const Prediction& prediction,
-                                                 const std::vector<MapMatch>& matches,
-                                                 const MapConstraint& constraint) {
+// By the prior, as far as the map leaves the window loose.
+void SessionLocalizer::restrain(const Prediction& prediction, const MapConstraint& constraint) {
   problem_.clear_prior();
   const auto information =
       prior_information(prediction, constraint, config_.covariance_inflation.min_prior_sigma_m);
   const PosePrior& prior = prediction.prior;
   if (information) problem_.set_prior(prior.keyframe, prior.estimate.T_map_body, *information);
-  problem_.set_matches(matches);
-  return problem_.solve(config_.rounds.iterations);
 }
 
 // The place first: the window is linearized only where its covariance is of use.
@@ -143,7 +143,8 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
 
   const SubmapKeyframe& newest = database_.newest().item;
   const double travelled_m = dead_reckoning_.travelled_m(newest.id);
-  const auto confirmed = acceptance_.confirm(fit, newest.T_odom_body, travelled_m);
+  const auto confirmed =
+      acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, travelled_m);
   if (!confirmed) return unexpected(confirmed.error());
   return Solution{{fit.T_map_body, stated->covariance}, std::move(system)};
 }
@@ -185,9 +186,16 @@ LocalizationResult SessionLocalizer::answer(LocalizationStatus status) const {
   return result;
 }
 
-std::optional<Correction> SessionLocalizer::correction() const {
+std::optional<Correction> SessionLocalizer::correction(Duration round_trip) const {
   if (!system_) return std::nullopt;
-  const auto marginals = relative_marginals(*system_, config_.corrections);
+  const auto window = database_.window();
+  const int last = std::min(static_cast<int>(window.size()), config_.corrections.robot_window) - 1;
+  if (last == 0) return std::nullopt;
+  const Timestamp earlier = database_.keyframe(*std::prev(window.end(), last + 1)).item.stamp;
+  const Duration interval = (database_.newest().item.stamp - earlier) / last;
+  const int keyframes = correctable_keyframes(interval, round_trip, config_.corrections);
+  if (keyframes == 0) return std::nullopt;
+  const auto marginals = relative_marginals(*system_, keyframes, config_.corrections);
   if (!marginals) return std::nullopt;
   Correction correction = map_correction(*marginals, config_.corrections);
   if (correction.relative_poses.empty() && correction.landmarks.empty()) return std::nullopt;

@@ -31,15 +31,21 @@ namespace fleetloc {
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
  public:
+  /// When the rounds, and the solver in each of them, have converged.
+  struct Convergence {
+    int max_rounds;
+    int iterations;       ///< of the solver, in each round, at most
+    double min_decrease;  ///< relative, of the cost; a step that lowers it by less ends the round
+    double settled_m;  ///< a round at the final gate that moved the newest pose by less ends them
+  };
   struct Rounds {
     double final_gate_m;
     double tracking_gate_m;  ///< of the first round, once the pose is known
     double widest_gate_m;    ///< of the alignment, however uncertain the prior
     double gate_sigmas;      ///< width of the first gate, in sigmas of the prior
     double shrink;           ///< of the gate from round to round
-    int max_rounds;
-    int iterations;    ///< of the solver, in each round
-    double settled_m;  ///< converged: a round at the final gate moved less
+    Convergence tracking;    ///< while the pose is known
+    Convergence rough;       ///< otherwise: far from the optimum, steps are many and small
   };
   struct CovarianceInflation {
     double floor_m;  ///< added to the standard deviations: systematic errors of map and stereo pair
@@ -75,9 +81,10 @@ class SessionLocalizer {
   LocalizationResult localize();
 
   /// What the map has added to the robot's own estimate of its latest keyframes. Nothing unless
-  /// localize() has just localized, or if the map added nothing. Robot, session, localizer and
-  /// incarnation are the caller's.
-  [[nodiscard]] std::optional<Correction> correction() const;
+  /// localize() has just localized, or if the map added nothing, or if the robot will have gone on
+  /// too far. Robot, session, localizer and incarnation are the caller's.
+  /// @param round_trip  of the network to the robot
+  [[nodiscard]] std::optional<Correction> correction(Duration round_trip = {}) const;
 
   /// The window behind the last answer; nothing unless localize() has just localized.
   [[nodiscard]] const std::optional<WindowSystem>& system() const { return system_; }
@@ -97,9 +104,7 @@ class SessionLocalizer {
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
   [[nodiscard]] Pose align(const Prediction& prediction) const;
   MapFit fit_to_map(const Prediction& prediction);
-  WindowProblem::Solved optimize(const Prediction& prediction,
-                                 const std::vector<MapMatch>& matches,
-                                 const MapConstraint& constraint);
+  void restrain(const Prediction& prediction, const MapConstraint& constraint);
   expected<Solution, Rejection> accept(const Prediction& prediction, const MapFit& fit);
   void store(const PoseWithCovariance& newest);
   LocalizationResult localized(Solution solution, const LocalizationDiagnostics& diagnostics);

@@ -3,15 +3,21 @@
 namespace fleetloc {
 namespace {
 
+SessionLocalizer::Convergence read_convergence(ConfigReader section) {
+  return {.max_rounds = section.integer("max_rounds", 1, 100),
+          .iterations = section.integer("iterations", 1, 100),
+          .min_decrease = section.positive("min_decrease"),
+          .settled_m = section.positive("settled_m")};
+}
+
 SessionLocalizer::Rounds read_rounds(ConfigReader section) {
   return {.final_gate_m = section.positive("final_gate_m"),
           .tracking_gate_m = section.positive("tracking_gate_m"),
           .widest_gate_m = section.positive("widest_gate_m"),
           .gate_sigmas = section.positive("gate_sigmas"),
           .shrink = section.positive("shrink"),
-          .max_rounds = section.integer("max_rounds", 1, 100),
-          .iterations = section.integer("iterations", 1, 100),
-          .settled_m = section.positive("settled_m")};
+          .tracking = read_convergence(section.section("tracking")),
+          .rough = read_convergence(section.section("rough"))};
 }
 
 SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader section) {

@@ -214,8 +214,7 @@ WindowProblem::Config read_window_problem_config(ConfigReader section) {
           .map_kernel = section.positive("map_kernel"),
           .use_tilt = section.get<bool>("use_tilt"),
           .map_tilt_sigma_rad = section.positive("map_tilt_sigma_rad"),
-          .max_landmarks = section.integer("max_landmarks", 100, 100000),
-          .min_decrease = section.positive("min_decrease")};
+          .max_landmarks = section.integer("max_landmarks", 100, 100000)};
 }
 
 }  // namespace fleetloc

@@ -39,7 +39,6 @@ class WindowProblem {
     bool use_tilt;               ///< roll and pitch of the oldest keyframe
     double map_tilt_sigma_rad;   ///< of the map's z axis against gravity
     int max_landmarks;           ///< further ones are left out
-    double min_decrease;         ///< relative; a step that lowers the cost by less is the last
   };
 
   struct Solved {
@@ -66,7 +65,8 @@ class WindowProblem {
   /// Moves all poses and landmarks: x_map becomes T_new_old * x_map.
   void move(const Pose& T_new_old);
 
-  Solved solve(int max_iterations);
+  /// @param min_decrease  relative, of the cost; a step that lowers it by less is the last
+  Solved solve(int max_iterations, double min_decrease);
 
   [[nodiscard]] Pose pose(KeyframeId id) const;
   [[nodiscard]] std::map<KeyframeId, Pose> poses() const;

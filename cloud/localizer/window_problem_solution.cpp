@@ -73,7 +73,7 @@ void WindowProblem::move(const Pose& T_new_old) {
   }
 }
 
-WindowProblem::Solved WindowProblem::solve(int max_iterations) {
+WindowProblem::Solved WindowProblem::solve(int max_iterations, double min_decrease) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.num_threads = 1;
@@ -87,7 +87,7 @@ WindowProblem::Solved WindowProblem::solve(int max_iterations) {
   for (const auto& [id, node] : keyframes_) {
     options.linear_solver_ordering->AddElementToGroup(node.pose, 1);
   }
-  RelativeDecreaseTermination termination(config_.min_decrease);
+  RelativeDecreaseTermination termination(min_decrease);
   options.callbacks.push_back(&termination);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);

@@ -1,5 +1,6 @@
 #include "cloud/node/cloud_node.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <utility>
@@ -7,7 +8,6 @@
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
-#include "cloud/node/status_log.hpp"
 #include "cloud/pool/sessions_report.hpp"
 
 namespace fleetloc {
@@ -15,7 +15,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPatience{5};  // between polls of the workers
+constexpr milliseconds kPatience{5};   // between polls of the workers
+constexpr milliseconds kGoodbye{300};  // for the status that says it to be on its way
 
 // The localizer's own clock: for order and durations, never sent to robots.
 Timestamp steady_now() {
@@ -57,35 +58,18 @@ CloudNode::CloudNode(const CloudNodeOptions& options, const LocalizerPool::Confi
   options_.out = created(options.out);
 }
 
-void CloudNode::run(const std::stop_token& stop) {
-  spdlog::info("{}: serving {} with {} points on DDS domain {}",
+void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) {
+  spdlog::info("{}: serving {} with {} points on DDS domain {}, {} workers",
                options_.name,
                options_.map.string(),
                map_->size(),
-               options_.domain);
+               options_.domain,
+               options_.workers);
   {
     WorkerPool workers(options_.workers);
     WorkerLoad load(options_.workers, steady_now());
     StatusLog log(options_.out / "status.csv", steady_now());
-    while (!stop.stop_requested()) {
-      channel_.wait_for_message(kPatience);
-      for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
-      for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
-      finish_jobs(workers, load);
-      start_jobs(workers);
-      const Timestamp now = steady_now();
-      const double share = load.measure(now);
-      log.add(pool_, share, now);
-      for (auto& outgoing : pool_.outgoing(now, share)) {
-        channel_.send(outgoing.partition, std::move(outgoing.message), now);
-      }
-      for (const std::string& event : channel_.take_events()) {
-        spdlog::info("{}: {}", options_.name, event);
-      }
-      for (const std::string& event : pool_.take_events()) {
-        spdlog::info("{}: {}", options_.name, event);
-      }
-    }
+    while (!is_over(stop, urgent)) serve(workers, load, log);
     workers.finish();
     finish_jobs(workers, load);
   }
@@ -96,9 +80,46 @@ void CloudNode::run(const std::stop_token& stop) {
   spdlog::info("{}: stopped, {} robots served", options_.name, pool_.reports().size());
 }
 
+// After the first signal the robots are given time to go elsewhere. One that has ended, or whose
+// network is gone, is not waited for.
+bool CloudNode::is_over(const std::stop_token& stop, const std::stop_token& urgent) {
+  if (!stop.stop_requested()) return false;
+  if (urgent.stop_requested()) return true;
+  const Timestamp now = steady_now();
+  if (!draining_since_) {
+    draining_since_ = now;
+    pool_.drain(now);
+    spdlog::info("{}: draining, {} robots have to leave", options_.name, pool_.sessions());
+  }
+  if (now - *draining_since_ < kGoodbye) return false;
+  return std::ranges::none_of(pool_.to_leave(now), [this](const RobotId& robot) {
+    return channel_.matched_readers(Topic::kLocalization, robot) > 0;
+  });
+}
+
+void CloudNode::serve(WorkerPool& workers, WorkerLoad& load, StatusLog& log) {
+  channel_.wait_for_message(kPatience);
+  for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
+  for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
+  finish_jobs(workers, load);
+  start_jobs(workers);
+  const Timestamp now = steady_now();
+  const double share = load.measure(now);
+  for (auto& outgoing : pool_.outgoing(now, share)) {
+    channel_.send(outgoing.partition, std::move(outgoing.message), now);
+  }
+  log.add(pool_, share, now);
+  for (const std::string& event : channel_.take_events()) {
+    spdlog::info("{}: {}", options_.name, event);
+  }
+  for (const std::string& event : pool_.take_events()) {
+    spdlog::info("{}: {}", options_.name, event);
+  }
+}
+
 void CloudNode::finish_jobs(WorkerPool& workers, WorkerLoad& load) {
   while (auto finished = workers.take()) {
-    load.add(finished->cpu);
+    load.add(finished->busy);
     pool_.finish(
         finished->job, std::move(finished->answer), 1e3 * to_seconds(finished->cpu), steady_now());
   }

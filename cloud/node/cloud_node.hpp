@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cloud/laser_map/laser_map.hpp"
+#include "cloud/node/status_log.hpp"
 #include "cloud/node/worker_pool.hpp"
 #include "cloud/pool/localizer_pool.hpp"
 #include "cloud/pool/worker_load.hpp"
@@ -22,7 +23,7 @@ struct CloudNodeOptions {
   std::filesystem::path out;  ///< folder for status.csv and sessions.json
   std::string name;           ///< of the localizer, unique in the fleet
   std::uint32_t domain = 0;
-  int workers = 1;
+  int workers = 1;                 ///< localizations at a time
   std::optional<LinkConfig> link;  ///< emulated; none: the network as it is
 };
 
@@ -32,10 +33,13 @@ class CloudNode {
  public:
   CloudNode(const CloudNodeOptions& options, const LocalizerPool::Config& config);
 
-  /// Serves robots until a stop is requested and writes status.csv meanwhile, sessions.json then.
-  void run(const std::stop_token& stop);
+  /// Serves robots until a stop is requested and its robots have gone elsewhere, or for a while; or
+  /// until an urgent stop is. Writes status.csv meanwhile, sessions.json then.
+  void run(const std::stop_token& stop, const std::stop_token& urgent);
 
  private:
+  bool is_over(const std::stop_token& stop, const std::stop_token& urgent);
+  void serve(WorkerPool& workers, WorkerLoad& load, StatusLog& log);
   void finish_jobs(WorkerPool& workers, WorkerLoad& load);
   void start_jobs(WorkerPool& workers);
 
@@ -43,6 +47,7 @@ class CloudNode {
   std::shared_ptr<const LaserMap> map_;
   DdsChannel channel_;
   LocalizerPool pool_;
+  std::optional<Timestamp> draining_since_;
 };
 
 }  // namespace fleetloc

@@ -1,6 +1,8 @@
 // fleetloc-cloud: a localizer with its laser map, over DDS.
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "cloud/node/cloud_node.hpp"
 #include "cloud/node/default_config.hpp"
@@ -22,7 +24,9 @@ int main(int argc, char** argv) {
     app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
     app.add_option("--out", options.out, "folder for sessions.json, is created")->required();
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
-    app.add_option("--workers", options.workers, "localizations at a time")
+    options.workers = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
+    app.add_option("--workers", options.workers, "localizations at a time, one for each core")
+        ->capture_default_str()
         ->check(CLI::Range(1, 256));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
     return program.run(argc, argv, [&] {
@@ -35,7 +39,7 @@ int main(int argc, char** argv) {
       auto node =
           std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
       return [node, termination] {
-        node->run(termination->token());
+        node->run(termination->token(), termination->urgent_token());
         return static_cast<int>(kSuccess);
       };
     });

@@ -3,10 +3,18 @@
 #include <stdexcept>
 
 namespace fleetloc {
+namespace {
+
+const char* state_of(const LocalizerStatus& status) {
+  if (status.draining) return "draining";
+  return status.accepting ? "accepting" : "full";
+}
+
+}  // namespace
 
 StatusLog::StatusLog(const std::filesystem::path& file, Timestamp start)
     : stream_(file), start_(start) {
-  stream_ << "time_s,sessions,load,submaps,localized\n" << std::flush;
+  stream_ << "time_s,sessions,load,submaps,localized,state\n" << std::flush;
   if (!stream_) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
@@ -21,7 +29,7 @@ void StatusLog::add(const LocalizerPool& pool, double load, Timestamp now) {
     localized += report.localized;
   }
   stream_ << to_seconds(now - start_) << ',' << pool.sessions() << ',' << load << ',' << submaps
-          << ',' << localized << '\n'
+          << ',' << localized << ',' << state_of(pool.status()) << '\n'
           << std::flush;
 }
 

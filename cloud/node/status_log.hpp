@@ -10,7 +10,7 @@ namespace fleetloc {
 
 /// status.csv of a localizer: a line each second, for monitoring, and as a record if the process is
 /// killed. `time_s` since the start, `sessions` now, `load` 0..1, then counts since the start over
-/// all robots in sessions.json.
+/// all robots in sessions.json; `state` accepting, full or draining.
 class StatusLog {
  public:
   /// Throws std::runtime_error that names the file.

@@ -15,9 +15,12 @@ WorkerPool::WorkerPool(int threads)
 
 void WorkerPool::work(const std::stop_token& stop) {
   while (auto job = jobs_.pop(stop)) {
-    const Duration begin = thread_cpu_time();
+    const auto begin = std::chrono::steady_clock::now();
+    const Duration cpu_begin = thread_cpu_time();
     LocalizationResult answer = LocalizerPool::run(*job);
-    finished_.push({std::move(*job), std::move(answer), thread_cpu_time() - begin});
+    const Duration cpu = thread_cpu_time() - cpu_begin;
+    finished_.push(
+        {std::move(*job), std::move(answer), cpu, std::chrono::steady_clock::now() - begin});
   }
 }
 

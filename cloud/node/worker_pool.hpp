@@ -16,7 +16,8 @@ class WorkerPool {
   struct Finished {
     LocalizerPool::Job job;
     LocalizationResult answer;
-    Duration cpu{};  ///< processor time of the job
+    Duration cpu{};   ///< processor time of the job
+    Duration busy{};  ///< time for which the worker had it
   };
 
   explicit WorkerPool(int threads);

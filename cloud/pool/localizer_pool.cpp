@@ -150,6 +150,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
   const auto turn = scheduler_.take();
   if (!turn) return std::nullopt;
   Robot& robot = robots_.at(turn->robot);
+  protocol_.waited(now - robot.waiting.oldest(), now);
   return Job{.robot = turn->robot,
              .turn = turn->number,
              .received = robot.waiting.oldest(),
@@ -157,6 +158,7 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
              .session = robot.localizer,
              .predecessor = std::exchange(robot.predecessor, nullptr),
              .submaps = robot.waiting.take(),
+             .round_trip = protocol_.round_trip(turn->robot),
              .correction = {},
              .error = {}};
 }
@@ -171,7 +173,7 @@ LocalizationResult LocalizerPool::run(Job& job) {
   try {
     take_over(job);
     LocalizationResult answer = job.session->localize();
-    job.correction = job.session->correction();
+    job.correction = job.session->correction(job.round_trip);
     return answer;
   } catch (const std::exception& error) {
     job.error = error.what();

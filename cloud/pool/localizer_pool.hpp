@@ -47,6 +47,7 @@ class LocalizerPool {
     /// Of the same session with another start: what it has stored goes over to `session`.
     std::shared_ptr<const SessionLocalizer> predecessor;
     std::vector<Submap> submaps;
+    Duration round_trip;                   ///< of the network to the robot; 0: not known
     std::optional<Correction> correction;  ///< what run() found beside the answer
     std::string error;                     ///< why run() failed; empty: it did not
   };
@@ -74,6 +75,13 @@ class LocalizerPool {
   /// New answers, repetitions, and from time to time the localizer's own status.
   std::vector<OutgoingMessage> outgoing(Timestamp now, double load);
 
+  /// The localizer is about to end: its robots are told to go to others, and answered meanwhile.
+  void drain(Timestamp now) { protocol_.drain(now); }
+  /// Robots that it still has to answer; none once its time is over.
+  [[nodiscard]] std::vector<RobotId> to_leave(Timestamp now) const {
+    return protocol_.to_leave(now);
+  }
+
   /// Robots that are served or may come, new since the last call: Channel::prepare.
   std::vector<RobotId> take_expected() { return protocol_.take_expected(); }
   /// Events since the last call, each a line for the log.
@@ -86,6 +94,8 @@ class LocalizerPool {
     return report_.unattributed();
   }
   [[nodiscard]] std::size_t sessions() const { return protocol_.sessions(); }
+  /// As of the last outgoing().
+  [[nodiscard]] const LocalizerStatus& status() const { return protocol_.localizer_status(); }
 
  private:
   struct Robot {

@@ -24,8 +24,14 @@ bool is_same(const std::optional<MapOdomEstimate>& a, const std::optional<MapOdo
 // Enough for a robot to choose by; a load changes a little all the time.
 bool has_changed(const LocalizerStatus& before, const LocalizerStatus& now) {
   constexpr double kLoadStep = 0.1;
-  return before.accepting != now.accepting || before.sessions != now.sessions ||
-         std::abs(before.load - now.load) >= kLoadStep;
+  return before.accepting != now.accepting || before.draining != now.draining ||
+         before.sessions != now.sessions || std::abs(before.load - now.load) >= kLoadStep;
+}
+
+SessionProtocol::Draining read_draining_config(ConfigReader config) {
+  return {.max_s = config.positive("max_s"),
+          .silence_s = config.positive("silence_s"),
+          .status = read_status_timer_config(config.section("status"))};
 }
 
 // The register may have forgotten a robot that is served here: what it does not know is no reason
@@ -42,6 +48,7 @@ SessionProtocol::SessionProtocol(Identity identity, const Config& config)
     : identity_(std::move(identity)),
       config_(config),
       register_(config.sessions),
+      admission_(config.admission),
       status_timer_(config.status) {}
 
 expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::announced(
@@ -68,6 +75,7 @@ expected<SessionProtocol::Change, PoolRefusal> SessionProtocol::open(const Robot
                       Session{.announced = session,
                               .receiver = {},
                               .answers = AnswerSender(config_.answers, last_number_),
+                              .opened = now,
                               .last_message = now});
     unknown_robots_.erase(session.robot);
     expected_.push_back(session.robot);
@@ -180,10 +188,10 @@ std::vector<OutgoingMessage> SessionProtocol::outgoing(Timestamp now,
   std::vector<OutgoingMessage> messages;
   add_answers(messages, now, report);
   add_session_requests(messages);
-  const LocalizerStatus status = localizer_status(load);
-  if (status_timer_.due(now, has_changed(sent_status_, status))) {
-    sent_status_ = status;
-    messages.push_back({"", {Topic::kLocalizerStatus, encode(status)}});
+  status_ = measured_status(load, now);
+  if (status_timer_.due(now, has_changed(sent_status_, status_))) {
+    sent_status_ = status_;
+    messages.push_back({"", {Topic::kLocalizerStatus, encode(status_)}});
   }
   return messages;
 }
@@ -211,13 +219,37 @@ void SessionProtocol::add_session_requests(std::vector<OutgoingMessage>& message
   }
 }
 
-LocalizerStatus SessionProtocol::localizer_status(double load) const {
+LocalizerStatus SessionProtocol::measured_status(double load, Timestamp now) {
+  const auto is_new = [&](const auto& item) { return admission_.is_new(item.second.opened, now); };
+  const Admission::Sessions sessions{
+      .all = static_cast<int>(sessions_.size()),
+      .fresh = static_cast<int>(std::ranges::count_if(sessions_, is_new))};
+  const bool is_open = admission_.update(load, sessions, now);
   return {.localizer = identity_.name,
           .incarnation = identity_.incarnation,
           .map_hash = identity_.map_hash,
-          .sessions = static_cast<int>(sessions_.size()),
+          .sessions = sessions.all,
           .load = std::clamp(load, 0.0, 1.0),
-          .accepting = sessions_.size() < config_.max_sessions};
+          .accepting = is_open && !draining_since_ && sessions_.size() < config_.max_sessions,
+          .draining = draining_since_.has_value()};
+}
+
+void SessionProtocol::drain(Timestamp now) {
+  if (draining_since_) return;
+  draining_since_ = now;
+  status_timer_ = StatusTimer(config_.draining.status);
+}
+
+std::vector<RobotId> SessionProtocol::to_leave(Timestamp now) const {
+  std::vector<RobotId> robots;
+  if (!draining_since_ || to_seconds(now - *draining_since_) > config_.draining.max_s)
+    return robots;
+  for (const auto& [robot, session] : sessions_) {
+    if (to_seconds(now - session.last_message) <= config_.draining.silence_s) {
+      robots.push_back(robot);
+    }
+  }
+  return robots;
 }
 
 Timestamp SessionProtocol::end(const RobotId& robot) {
@@ -250,7 +282,9 @@ SessionProtocol::Config read_session_protocol_config(ConfigReader pool) {
           .session_request_interval_s = pool.positive("session_request_interval_s"),
           .status = read_status_timer_config(pool.section("status")),
           .answers = read_answer_sender_config(pool.section("answers")),
-          .sessions = read_session_register_config(pool.section("sessions"))};
+          .sessions = read_session_register_config(pool.section("sessions")),
+          .admission = read_admission_config(pool.section("admission")),
+          .draining = read_draining_config(pool.section("draining"))};
 }
 
 }  // namespace fleetloc

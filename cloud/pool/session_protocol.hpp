@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud/pool/admission.hpp"
 #include "cloud/pool/answer_sender.hpp"
 #include "cloud/pool/pool_refusal.hpp"
 #include "cloud/pool/pool_report.hpp"
@@ -26,8 +27,16 @@ struct OutgoingMessage {
 
 /// The localizer's end of the protocol: what it accepts from which robot, and what it sends.
 /// Expects messages that are well-formed. A robot whose session is not known here is asked for it.
+///
+/// A localizer that is told to stop drains: it says so, takes no more robots, and answers those
+/// that it has until they have gone to others.
 class SessionProtocol {
  public:
+  struct Draining {
+    double max_s;                ///< then the robots that are left have to do without
+    double silence_s;            ///< without a message of a robot, then it has left
+    StatusTimer::Config status;  ///< meanwhile
+  };
   struct Config {
     std::size_t max_sessions;
     double idle_session_s;  ///< without a message, then a session may be ended
@@ -35,6 +44,8 @@ class SessionProtocol {
     StatusTimer::Config status;
     AnswerSender::Config answers;
     SessionRegister::Config sessions;
+    Admission::Config admission;
+    Draining draining;
   };
   /// Of this localizer; stands in all that it sends.
   struct Identity {
@@ -67,6 +78,12 @@ class SessionProtocol {
   /// What the robot of a session here tells of its answers.
   void note(const RobotId& robot, const AnswerReceipt& receipt, Timestamp now);
 
+  /// Of the network to the robot of a session here, there and back; zero as long as it is not
+  /// known.
+  [[nodiscard]] Duration round_trip(const RobotId& robot) const {
+    return sessions_.at(robot).answers.budget().round_trip();
+  }
+
   /// A status of a session that is not known here is refused without further consequences.
   expected<void, PoolRefusal> status(const RobotStatus& status, Timestamp now);
 
@@ -80,6 +97,14 @@ class SessionProtocol {
   /// @param load    of the workers, 0..1
   /// @param report  counts answers that cannot be encoded
   std::vector<OutgoingMessage> outgoing(Timestamp now, double load, PoolReport& report);
+
+  /// A job was started whose oldest submap has waited that long.
+  void waited(Duration wait, Timestamp now) { admission_.waited(wait, now); }
+
+  /// The localizer is about to end.
+  void drain(Timestamp now);
+  /// Robots that a draining localizer still has to answer; none once its time is over.
+  [[nodiscard]] std::vector<RobotId> to_leave(Timestamp now) const;
 
   /// Ends the robot's session. @return when the robot was heard last
   Timestamp end(const RobotId& robot);
@@ -95,12 +120,15 @@ class SessionProtocol {
   std::vector<RobotId> take_expected();
 
   [[nodiscard]] std::size_t sessions() const { return sessions_.size(); }
+  /// Of the localizer, as of the last outgoing().
+  [[nodiscard]] const LocalizerStatus& localizer_status() const { return status_; }
 
  private:
   struct Session {
     RobotSession announced;
     SubmapReceiver receiver;
     AnswerSender answers;
+    Timestamp opened;
     Timestamp last_message;
   };
   /// A robot that sends submaps of a session that is not known here.
@@ -114,7 +142,7 @@ class SessionProtocol {
   void request_session(const SubmapHeader& submap, Timestamp now);
   void add_answers(std::vector<OutgoingMessage>& messages, Timestamp now, PoolReport& report);
   void add_session_requests(std::vector<OutgoingMessage>& messages);
-  [[nodiscard]] LocalizerStatus localizer_status(double load) const;
+  LocalizerStatus measured_status(double load, Timestamp now);
 
   Identity identity_;
   Config config_;
@@ -123,8 +151,10 @@ class SessionProtocol {
   std::uint32_t last_number_ = 0;  // of an answer in any session that has ended
   std::map<RobotId, UnknownRobot> unknown_robots_;
   std::vector<RobotId> expected_;
+  Admission admission_;
+  std::optional<Timestamp> draining_since_;
   StatusTimer status_timer_;
-  LocalizerStatus sent_status_;
+  LocalizerStatus status_, sent_status_;
 };
 
 SessionProtocol::Config read_session_protocol_config(ConfigReader pool);

@@ -97,7 +97,7 @@ monitor=$project-monitor
 end() {
   trap - EXIT INT TERM HUP
   docker rm -f "$monitor" >/dev/null 2>&1 || true
-  compose down --timeout 10 >>"$log" 2>&1 || true
+  compose down --timeout 20 >>"$log" 2>&1 || true
 }
 trap end EXIT
 trap 'exit 130' INT
@@ -161,7 +161,7 @@ last_words() {
 
 stop_localizers() {
   since_stop=$(date +%s)
-  quietly compose stop --timeout 10 localizer_1 localizer_2
+  quietly compose stop --timeout 20 localizer_1 localizer_2
   # shellcheck disable=SC2086
   failed=$(state $localizers | grep -v '^exited 0 ' || true)
   [ -z "$failed" ] || fail "a localizer has not ended cleanly: $failed"

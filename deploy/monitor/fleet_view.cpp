@@ -36,6 +36,7 @@ Row row_of(const RobotView& robot) {
 Row row_of(const LocalizerView& localizer) {
   const double percent = localizer.sessions.empty() ? std::nan("") : 100.0 * localizer.load;
   return {localizer.name,
+          known(localizer.state),
           known(localizer.sessions),
           number("%.0f %%", percent),
           known(localizer.submaps),
@@ -62,7 +63,7 @@ std::string table(const FleetView& fleet) {
   std::vector<Row> robots{
       {"robot", "time", "state", "error", "1 sigma", "up", "down", "round trip"}};
   for (const RobotView& robot : fleet.robots) robots.push_back(row_of(robot));
-  std::vector<Row> localizers{{"localizer", "robots", "load", "submaps", "localized"}};
+  std::vector<Row> localizers{{"localizer", "state", "robots", "load", "submaps", "localized"}};
   for (const LocalizerView& localizer : fleet.localizers) localizers.push_back(row_of(localizer));
   return aligned(robots) + (fleet.localizers.empty() ? "" : aligned(localizers));
 }
@@ -78,7 +79,8 @@ std::string line(const FleetView& fleet) {
   for (const LocalizerView& localizer : fleet.localizers) {
     const Row row = row_of(localizer);
     if (!text.empty()) text += "; ";
-    text += row[0] + ": robots " + row[1] + ", load " + row[2] + ", localized " + row[4];
+    text += row[0] + ": " + row[1] + ", robots " + row[2] + ", load " + row[3] + ", localized " +
+            row[5];
   }
   return text;
 }

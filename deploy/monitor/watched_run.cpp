@@ -90,6 +90,7 @@ WatchedLocalizer::WatchedLocalizer(const std::filesystem::path& folder)
 
 const LocalizerView& WatchedLocalizer::update() {
   status_.read([this] {
+    view_.state = status_.text("state");
     view_.sessions = status_.text("sessions");
     view_.load = status_.number("load");
     view_.submaps = status_.text("submaps");

@@ -29,6 +29,7 @@ struct RobotView {
 /// State of a localizer, by its status.csv.
 struct LocalizerView {
   std::string name;
+  std::string state;     ///< accepting, full or draining
   std::string sessions;  ///< empty: nothing written so far
   double load = 0.0;
   std::string submaps;

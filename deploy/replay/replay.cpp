@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "cloud/laser_map/map_file.hpp"
-#include "cloud/pool/sessions_report.hpp"
 #include "deploy/replay/align_once.hpp"
 #include "deploy/replay/fault_injector.hpp"
 #include "deploy/replay/localizer_decorator.hpp"
+#include "deploy/replay/sample_recorder.hpp"
 #include "deploy/replay/simulated_back_end.hpp"
-#include "deploy/replay/simulated_cloud.hpp"
+#include "deploy/replay/simulated_localizers.hpp"
 #include "robot/dataset/dataset_reader.hpp"
 #include "robot/run_folder/run_recorder.hpp"
 #include "robot/runtime/robot_runtime.hpp"
@@ -20,7 +20,6 @@ namespace fleetloc {
 namespace {
 
 constexpr const char* kRobot = "robot";
-constexpr const char* kLocalizer = "localizer";
 
 /// The localization behind the robot's MapLocalizer, in simulated time.
 class Localization {
@@ -37,7 +36,7 @@ class Localization {
 /// The robot's client, which takes the far side of the network along with its time.
 class SimulatedClient final : public LocalizerDecorator {
  public:
-  SimulatedClient(CloudClient& client, SimulatedCloud& cloud)
+  SimulatedClient(CloudClient& client, SimulatedLocalizers& cloud)
       : LocalizerDecorator(client), cloud_(cloud) {}
 
   void update(Timestamp now, Quality quality) override {
@@ -46,36 +45,37 @@ class SimulatedClient final : public LocalizerDecorator {
   }
 
  private:
-  SimulatedCloud& cloud_;
+  SimulatedLocalizers& cloud_;
 };
+
+std::unique_ptr<Channel> robot_end(MemoryNetwork& network, const ReplayOptions& options) {
+  std::unique_ptr<Channel> end = network.join_robot(kRobot);
+  if (!options.samples) return end;
+  return std::make_unique<SampleRecorder>(std::move(end), *options.samples);
+}
 
 /// Link and cloud.
 class Cloud final : public Localization {
  public:
   Cloud(const ReplayOptions& options, const ReplayConfig& config)
       : network_(options.link),
-        robot_end_(network_.join_robot(kRobot)),
-        cloud_end_(network_.join_cloud(kLocalizer)),
-        cloud_(LocalizerPool(kLocalizer,
-                             Incarnation{1},
-                             std::make_shared<const LaserMap>(load_map(*options.map)),
-                             config.pool),
-               *cloud_end_,
-               from_seconds(config.durations.localization_s),
-               thread_cpu_time),
+        robot_end_(robot_end(network_, options)),
+        cloud_(network_,
+               std::make_shared<const LaserMap>(load_map(*options.map)),
+               {.pool = config.pool,
+                .localization_time = from_seconds(config.durations.localization_s),
+                .cpu_clock = thread_cpu_time},
+               options.localizers),
         client_(kRobot, *robot_end_, config.client),
         localizer_(client_, cloud_) {}
 
   MapLocalizer& localizer() override { return localizer_; }
-  void finish(const std::filesystem::path& out) const override {
-    write_sessions(out / "sessions.json", cloud_.pool().reports());
-  }
+  void finish(const std::filesystem::path& out) const override { cloud_.write_reports(out); }
 
  private:
   MemoryNetwork network_;
   std::unique_ptr<Channel> robot_end_;
-  std::unique_ptr<Channel> cloud_end_;
-  SimulatedCloud cloud_;
+  SimulatedLocalizers cloud_;
   CloudClient client_;
   SimulatedClient localizer_;
 };

@@ -10,6 +10,7 @@
 #include "cloud/pool/localizer_pool.hpp"
 #include "deploy/replay/fault_injector.hpp"
 #include "deploy/replay/icp_localizer.hpp"
+#include "deploy/replay/localizer_plan.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/link/link_config.hpp"
@@ -41,9 +42,11 @@ struct ReplayOptions {
   std::optional<double> duration_s;
   LinkConfig link;
   FaultPlan faults;
+  LocalizerPlan localizers = one_localizer("localizer");
   bool align_once = false;
-  bool icp_baseline = false;  ///< in place of the cloud, and without the link
-  std::string config;         ///< effective configuration, as YAML; for the run folder
+  std::optional<std::filesystem::path> samples;  ///< what the robot sends and gets: SampleRecorder
+  bool icp_baseline = false;                     ///< in place of the cloud, and without the link
+  std::string config;  ///< effective configuration, as YAML; for the run folder
 };
 
 /// Opens dataset, map and run folder; throws std::runtime_error for what cannot be opened.

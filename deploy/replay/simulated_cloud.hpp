@@ -22,6 +22,10 @@ class SimulatedCloud {
   /// Everything that happens until `now`. To be called at small steps of time.
   void advance(Timestamp now);
 
+  /// It is told to stop: goes on until is_drained().
+  void drain(Timestamp now) { pool_.drain(now); }
+  [[nodiscard]] bool is_drained(Timestamp now) const { return pool_.to_leave(now).empty(); }
+
   [[nodiscard]] const LocalizerPool& pool() const { return pool_; }
 
  private:

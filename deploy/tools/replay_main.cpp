@@ -60,6 +60,7 @@ struct Arguments {
   std::string map;
   std::optional<std::string> initial_pose;
   std::string faults;
+  std::string localizers;
   std::string encoding;
   std::string baseline;
   std::optional<double> duration_s;
@@ -120,6 +121,9 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
       ->check(CLI::IsMember({"icp"}));
   app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
   app.add_option("--faults", arguments.faults, "YAML: seed, and faults to inject while reading");
+  app.add_option(
+      "--samples", options.samples, "file for what the robot sends and gets: topic and bytes");
+  app.add_option("--localizers", arguments.localizers, "YAML: which start, stop or die, and when");
   add_link_options(app, arguments.link);
 }
 
@@ -131,6 +135,9 @@ void complete(ReplayOptions& options, const Arguments& arguments) {
   options.icp_baseline = !arguments.baseline.empty();
   if (!arguments.faults.empty()) {
     options.faults = read_fault_plan(ConfigReader::from_file(arguments.faults));
+  }
+  if (!arguments.localizers.empty()) {
+    options.localizers = read_localizer_plan(ConfigReader::from_file(arguments.localizers));
   }
 }
 

@@ -178,7 +178,8 @@ Json json_of(const LocalizerStatus& status) {
           {"map_hash", hexadecimal(status.map_hash)},
           {"sessions", status.sessions},
           {"load", status.load},
-          {"accepting", status.accepting}};
+          {"accepting", status.accepting},
+          {"draining", status.draining}};
 }
 
 Json json_of(const RobotStatus& status) {

@@ -1,34 +1,37 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
 #include <string>
-#include <tuple>
-#include <utility>
 #include <vector>
 
+#include "robot/cloud_client/answer_history.hpp"
 #include "robot/cloud_client/localizer_connections.hpp"
+#include "robot/cloud_client/localizer_events.hpp"
 #include "robot/cloud_client/localizer_selector.hpp"
+#include "robot/cloud_client/localizer_stream.hpp"
 #include "robot/cloud_client/message_refusal.hpp"
-#include "robot/cloud_client/session_announcer.hpp"
-#include "robot/uplink/submap_uplink.hpp"
+#include "robot/cloud_client/session_streams.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/protocol/status_timer.hpp"
 #include "shared/protocol/steady_time.hpp"
-#include "shared/protocol/submap_receiver.hpp"
 
 namespace fleetloc {
 
 class ConfigReader;
 
 /// The robot's end of the protocol: selects a localizer, announces the session to it, sends submaps
-/// and returns each answer once. When the localizer stops answering, restarts or loses the session,
-/// the session is announced again with the newest estimate of T_map_odom.
+/// and returns each answer once. When the localizer restarts or loses the session, the session is
+/// announced again with the newest estimate of T_map_odom.
+///
+/// A handover to another localizer makes before it breaks: the successor is brought the session and
+/// all keyframes that it can use, while the old one is sent what it always was and answers as long
+/// as it can. With its first pose from about as long a window the successor takes over, and the old
+/// one is told.
 ///
 /// The robot's clock may be set meanwhile, forward or back.
 ///
@@ -38,8 +41,7 @@ class CloudClient final : public MapLocalizer {
   struct Config {
     LocalizerSelector::Config selector;
     LocalizerConnections::Config connections;
-    SessionAnnouncer::Config announcement;
-    SubmapUplink::Config uplink;
+    LocalizerStream::Config stream;
     StatusTimer::Config status;
   };
   struct Statistics {
@@ -48,6 +50,7 @@ class CloudClient final : public MapLocalizer {
     std::uint64_t answers_received = 0;            ///< without repetitions
     std::uint64_t sessions_requested = 0;          ///< answers that asked for the session
     std::uint64_t localizers_chosen = 0;           ///< restarts of the same one included
+    std::uint64_t successors = 0;                  ///< localizers that were to take over
     std::map<std::string, std::uint64_t> refused;  ///< messages that were not used, by reason
     std::optional<Duration> round_trip;
     double loss = 0.0;  ///< share of samples that do not arrive
@@ -62,46 +65,39 @@ class CloudClient final : public MapLocalizer {
   void submit(Submap submap, Timestamp clock) override;
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp clock) override;
   [[nodiscard]] std::optional<Correction> take_correction() override {
-    return std::exchange(correction_, std::nullopt);
+    return answers_.take_correction();
   }
   void note_applied() override;
-  void update_start(const MapOdomEstimate& start) override { announcer_.update_start(start); }
+  void update_start(const MapOdomEstimate& start) override;
 
   [[nodiscard]] Statistics statistics() const;
   [[nodiscard]] LinkTraffic traffic() const override;
   /// Changes of the localizer and id conflicts since the last call, each a line for a log.
-  std::vector<std::string> take_events();
+  std::vector<std::string> take_events() { return events_.take(); }
 
  private:
-  /// Answers with an equal one are repetitions.
-  using AnswerIdentity =
-      std::tuple<std::string, Incarnation, KeyframeId, Revision, LocalizationStatus>;
-
-  static AnswerIdentity identity(const LocalizationResult& answer);
   void receive_status(const Bytes& payload, Timestamp now);
-  void receive_correction(Correction correction);
-  void note_receipt(const LocalizationResult& answer, Timestamp now);
   std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
   [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;
-  void session_requested(const LocalizationResult& answer, Timestamp now);
-  void update_localizer(Timestamp now);
-  void report_warning();
   void check_for_duplicate_id(const LocalizationResult& answer, Timestamp now);
-  void change_localizer(Timestamp now);
+  void session_requested(const LocalizationResult& answer, Timestamp now);
+  bool take_over(const LocalizationResult& answer, Timestamp now);
+  void update_localizer(Timestamp now);
+  void choose(Timestamp now);
+  void use_chosen(Timestamp now);
+  void begin_successor(Timestamp now);
   void keep_connections(Timestamp now);
-  void start_stream(Timestamp now);
-  void announce(const RobotSession& session, const std::string& localizer);
-  void send_submap(Timestamp now);
+  void send_submaps(Timestamp now);
   void send_status(Timestamp now);
   template <typename Reason>
   void refuse(Reason reason) {
     ++statistics_.refused[std::string(name(reason))];
   }
-  void note(std::string event);
-  [[nodiscard]] LocalizerSelector::Link link() const;
+  [[nodiscard]] const SubmapSender& sender() const { return streams_.current().uplink().sender(); }
 
   /// Of the timers; to be called with every time that is passed in.
   Timestamp time_at(Timestamp clock);
+  [[nodiscard]] LocalizerStream::Time stream_time(Timestamp now) const { return {now, clock_}; }
 
   RobotId robot_;
   Channel& channel_;
@@ -109,24 +105,13 @@ class CloudClient final : public MapLocalizer {
   SteadyTime steady_;
   LocalizerSelector selector_;
   LocalizerConnections connections_;
-  SessionAnnouncer announcer_;
-  std::string localizer_;  // to which the robot sends; empty: none
+  SessionStreams streams_;
+  AnswerHistory answers_;
+  LocalizerEvents events_;
   Quality quality_ = Quality::kInitializing;
   Quality sent_quality_ = Quality::kInitializing;
   std::uint64_t answers_applied_ = 0;
-  std::optional<MapHash> answered_map_;  // of the newest answer with a pose
-  SubmapUplink uplink_;
   StatusTimer status_timer_;
-  SubmapReceiver answers_;                      // by their numbers
-  AnswerReceipt receipt_;                       // what the localizer is told of them
-  std::deque<AnswerIdentity> given_;            // the latest answers of this session
-  std::optional<Correction> correction_;        // not yet consumed
-  std::optional<KeyframeId> corrected_anchor_;  // of the newest correction of this session
-  std::string other_map_;  // the localizer that was last reported to have another map
-  std::string reported_warning_;
-  std::optional<Timestamp> session_started_;
-  int foreign_answers_ = 0;  // late ones, of sessions that are not this robot's
-  std::vector<std::string> events_;
   Statistics statistics_;
 };
 

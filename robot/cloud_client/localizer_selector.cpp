@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <functional>
-#include <ranges>
 #include <utility>
 
 #include "shared/config/config_reader.hpp"
@@ -12,64 +9,21 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxLocalizers = 256;
-constexpr double kEqualLoad = 0.1;  // differences below it do not matter
-constexpr double kWorstLoss = 0.8;  // beyond, timeouts do not grow
 constexpr int kMaxDoublings = 16;
-
-// FNV-1a, then mixed: the same names give the same number on every machine.
-std::uint64_t hash(std::string_view text, std::string_view more) {
-  std::uint64_t value = 0xcbf29ce484222325U;
-  const auto add = [&](unsigned char c) { value = (value ^ c) * 0x100000001b3U; };
-  for (const char c : text) add(static_cast<unsigned char>(c));
-  add('/');
-  for (const char c : more) add(static_cast<unsigned char>(c));
-  value ^= value >> 33U;
-  value *= 0xff51afd7ed558ccdU;
-  value ^= value >> 33U;
-  value *= 0xc4ceb9fe1a85ec53U;
-  return value ^ (value >> 33U);
-}
-
-double doubled(double seconds, int times, double longest) {
-  return std::min(longest, std::ldexp(seconds, std::min(times, kMaxDoublings)));
-}
+constexpr double kFalseAlarms = 0.15;  // share of the pauses that loss alone makes and that count
+constexpr double kNoLoss = 0.01;
+constexpr double kWorstLoss = 0.9;            // beyond, timeouts do not grow
+constexpr double kSuccessorTimeouts = 2.0;    // it has to be told of the session first
+constexpr double kRefusedAfterSeconds = 0.5;  // it may have become full by this robot
+constexpr double kPatienceSeconds = 15.0;     // with a successor that finds no pose, without need
+constexpr int kFewerRobots = 2;
+constexpr double kFewerRobotsFactor = 1.25;
+constexpr double kEqualLoad = 0.05;  // a localizer with that much more is no better place
 
 }  // namespace
 
-std::string_view name(StatusRefusal refusal) {
-  switch (refusal) {
-    case StatusRefusal::kOutdated:
-      return "outdated_localizer";
-    case StatusRefusal::kConflict:
-      return "conflicting_localizer";
-  }
-  return "unknown";
-}
-
 LocalizerSelector::LocalizerSelector(std::string_view robot, const Config& config)
-    : robot_(robot), config_(config) {}
-
-expected<void, StatusRefusal> LocalizerSelector::update(const LocalizerStatus& status,
-                                                        Timestamp now) {
-  const auto known = known_.find(status.localizer);
-  if (known == known_.end()) {
-    if (known_.size() >= kMaxLocalizers) erase_stalest();
-    known_[status.localizer] = {.status = status, .heard = now, .older_heard = {}};
-    return {};
-  }
-  Known& localizer = known->second;
-  if (status.incarnation < localizer.status.incarnation && is_alive(localizer, now)) {
-    const bool alternate = localizer.older_heard && localizer.heard > *localizer.older_heard;
-    localizer.older_heard = now;
-    return unexpected(alternate ? StatusRefusal::kConflict : StatusRefusal::kOutdated);
-  }
-  if (status.incarnation != localizer.status.incarnation)
-    localizer.excluded_until = Timestamp::min();
-  localizer.status = status;
-  localizer.heard = now;
-  return {};
-}
+    : robot_(robot), config_(config), known_(robot, config.known) {}
 
 void LocalizerSelector::sent(Timestamp now) {
   if (!waiting_since_) waiting_since_ = now;
@@ -81,111 +35,163 @@ void LocalizerSelector::answered(Timestamp now) {
   waiting_since_.reset();
   last_activity_ = now;
   consecutive_timeouts_ = 0;
-  known_.at(name_).consecutive_timeouts = 0;
+  known_.answered(name_);
+}
+
+void LocalizerSelector::take_over(Timestamp now) {
+  const Successor successor = *std::exchange(successor_, std::nullopt);
+  if (successor.is_urgent) known_.exclude(name_, now);
+  choose(successor.name, successor.incarnation, successor.reason, now);
 }
 
 LocalizerSelector::Change LocalizerSelector::decide(Timestamp now, const Link& link) {
-  const auto other = best(now, false);
+  other_map_ = known_.with_other_map(now);
   if (name_.empty()) return choose_first(now);
-  Known& current = known_.at(name_);
-  if (!accepts_map(current.status.map_hash)) {
-    return other == known_.end() ? leave("it has another map now")
-                                 : choose(other, name_ + " has another map now", now);
-  }
+  const Localizer& current = known_.at(name_);
+  if (!accepts_map(current.status.map_hash)) return leave_map(now);
   if (current.status.incarnation != incarnation_) return follow_restart(current, now);
-  if (!is_alive(current, now) && to_seconds(now - last_activity_) > config_.status_timeout_s) {
-    const auto any = other != known_.end() ? other : best(now, true);
-    return leave_unresponsive(current, any, name_ + " is gone", now);
-  }
-  if (is_silent(now, link))
-    return leave_unresponsive(current, other, name_ + " does not answer", now);
-  if (!current.status.accepting && !has_answered_) {
-    return leave_unresponsive(current, other, name_ + " accepts no more robots", now);
-  }
-  if (other != known_.end() && is_overloaded_for_long(current, other->second, now)) {
-    return choose(other, name_ + " is overloaded", now);
-  }
-  return Change::kNone;
+  if (successor_) return follow_successor(now, link);
+  const Fault fault = fault_of(current, now, link);
+  return fault == Fault::kNone ? balance(current, now) : leave(fault, now);
 }
 
 LocalizerSelector::Change LocalizerSelector::choose_first(Timestamp now) {
-  for (const bool even_excluded : {false, true}) {
-    const auto candidate = best(now, even_excluded);
-    if (candidate != known_.end()) return choose(candidate, "available", now);
+  for (const Range range : {Range::kFit, Range::kExcluded}) {
+    const Localizer* candidate = known_.best({}, now, range);
+    if (candidate == nullptr) continue;
+    choose(candidate->status.localizer, candidate->status.incarnation, "available", now);
+    return Change::kChosen;
   }
   return Change::kNone;
 }
 
-LocalizerSelector::Change LocalizerSelector::follow_restart(const Known& current, Timestamp now) {
-  incarnation_ = current.status.incarnation;
+// What it answers would not fit the poses that the robot has.
+LocalizerSelector::Change LocalizerSelector::leave_map(Timestamp now) {
+  const std::string why = "has another map now";
+  if (const Localizer* other = known_.best({name_}, now)) {
+    choose(other->status.localizer, other->status.incarnation, name_ + " " + why, now);
+    return Change::kChosen;
+  }
+  reason_ = "it " + why;
+  name_.clear();
+  successor_.reset();
   warning_.clear();
-  reason_ = "it was restarted";
-  has_answered_ = false;
   waiting_since_.reset();
-  last_activity_ = now;
+  return Change::kLeft;
+}
+
+// A successor has begun already.
+LocalizerSelector::Change LocalizerSelector::follow_restart(const Localizer& current,
+                                                            Timestamp now) {
+  if (successor_) {
+    choose(successor_->name, successor_->incarnation, name_ + " was restarted", now);
+    return Change::kChosen;
+  }
+  choose(name_, current.status.incarnation, "it was restarted", now);
   return Change::kRestarted;
 }
 
-bool LocalizerSelector::is_alive(const Known& known, Timestamp now) const {
-  return to_seconds(now - known.heard) <= config_.status_timeout_s;
-}
-
-bool LocalizerSelector::is_candidate(const Known& known, Timestamp now, bool even_excluded) const {
-  return known.status.localizer != name_ && known.status.accepting && is_alive(known, now) &&
-         accepts_map(known.status.map_hash) && (even_excluded || known.excluded_until <= now);
-}
-
-// The best one other than the chosen one.
-LocalizerSelector::Candidate LocalizerSelector::best(Timestamp now, bool even_excluded) {
-  double min_load = 1.0;
-  other_map_.clear();
-  for (const auto& [name, known] : known_) {
-    if (is_candidate(known, now, even_excluded)) {
-      min_load = std::min(min_load, known.status.load);
-    } else if (known.status.accepting && is_alive(known, now) &&
-               !accepts_map(known.status.map_hash)) {
-      other_map_ = name;
-    }
+LocalizerSelector::Fault LocalizerSelector::fault_of(const Localizer& current,
+                                                     Timestamp now,
+                                                     const Link& link) const {
+  if (!known_.is_alive(current, now) &&
+      to_seconds(now - last_activity_) > config_.known.status_timeout_s) {
+    return Fault::kGone;
   }
-  auto result = known_.end();
-  std::uint64_t greatest = 0;
-  for (auto it = known_.begin(); it != known_.end(); ++it) {
-    if (!is_candidate(it->second, now, even_excluded)) continue;
-    if (it->second.status.load > min_load + kEqualLoad) continue;
-    const std::uint64_t preference = hash(robot_, it->first);
-    if (result != known_.end() && preference <= greatest) continue;
-    greatest = preference;
-    result = it;
+  if (waiting_since_ && is_late(*waiting_since_, now, link, 1.0)) return Fault::kSilent;
+  if (current.status.draining) return Fault::kDraining;
+  if (!current.status.accepting && !has_answered_ &&
+      to_seconds(now - last_activity_) > kRefusedAfterSeconds) {
+    return Fault::kRefuses;
   }
-  return result;
+  return Fault::kNone;
 }
 
-// As `best` would choose them; of those with more load the preferred one, too, so that a load that
-// comes and goes does not change them.
-std::vector<std::string> LocalizerSelector::standbys(std::size_t count, Timestamp now) const {
-  std::vector<std::pair<std::uint64_t, std::string>> candidates;
-  for (const auto& [name, known] : known_) {
-    if (is_candidate(known, now, false)) candidates.emplace_back(hash(robot_, name), name);
+LocalizerSelector::Change LocalizerSelector::leave(Fault fault, Timestamp now) {
+  const Localizer* other = known_.best({name_}, now);
+  const bool is_dead = fault == Fault::kGone || fault == Fault::kSilent;
+  if (other == nullptr && is_dead) other = known_.best({name_}, now, Range::kFull);
+  if (other == nullptr && fault == Fault::kGone) {
+    other = known_.best({name_}, now, Range::kExcluded);
   }
-  std::ranges::sort(candidates, std::greater());
-  std::vector<std::string> names;
-  for (const auto& [preference, name] : candidates | std::views::take(count)) names.push_back(name);
-  return names;
+  const char* what = fault == Fault::kDraining ? " is about to end"
+                     : fault == Fault::kGone   ? " is gone"
+                     : fault == Fault::kSilent ? " does not answer"
+                                               : " accepts no more robots";
+  warning_ = other == nullptr ? name_ + what : "";
+  if (other == nullptr) return Change::kNone;
+  return begin(*other, name_ + what, fault != Fault::kDraining, now);
 }
 
-bool LocalizerSelector::is_silent(Timestamp now, const Link& link) const {
-  if (!waiting_since_) return false;
-  const double round_trip_s = link.round_trip ? to_seconds(*link.round_trip) : 0.0;
-  const double once_s = config_.answer_timeout_s + config_.timeout_round_trips * round_trip_s;
-  const double in_time_s = once_s / (1.0 - std::clamp(link.loss, 0.0, kWorstLoss));
-  const double timeout_s =
-      doubled(in_time_s, consecutive_timeouts_, std::max(in_time_s, config_.max_timeout_s));
-  return to_seconds(now - *waiting_since_) > timeout_s;
+LocalizerSelector::Change LocalizerSelector::follow_successor(Timestamp now, const Link& link) {
+  const Localizer& next = known_.at(successor_->name);
+  const Fault fault = fault_of(known_.at(name_), now, link);
+  const bool is_silent = fault == Fault::kSilent || fault == Fault::kGone;
+  if (successor_->is_urgent && fault == Fault::kNone) return stay();
+  if (successor_->answered && is_silent) {
+    take_over(now);
+    return Change::kChosen;
+  }
+  const bool is_lost = next.status.draining || !known_.is_alive(next, now) ||
+                       !accepts_map(next.status.map_hash) ||
+                       next.status.incarnation != successor_->incarnation;
+  const Timestamp heard = successor_->answered.value_or(successor_->since);
+  const bool is_useless =
+      fault == Fault::kNone && to_seconds(now - successor_->since) > kPatienceSeconds;
+  if (!is_lost && !is_useless && !is_late(heard, now, link, kSuccessorTimeouts)) {
+    return Change::kNone;
+  }
+  return replace_successor(fault, is_lost, now);
 }
 
-// True once the overload has lasted for the patience of this robot.
-bool LocalizerSelector::is_overloaded_for_long(const Known& current,
-                                               const Known& other,
+// If both are silent, the link may be: the one that was tried last is waited for, ever longer.
+LocalizerSelector::Change LocalizerSelector::replace_successor(Fault fault,
+                                                               bool is_lost,
+                                                               Timestamp now) {
+  const std::string failed = successor_->name;
+  ++consecutive_timeouts_;
+  known_.exclude(failed, now);
+  if (fault == Fault::kNone) return stay();
+  const Localizer* other = known_.best({name_, failed}, now);
+  if (other != nullptr) {
+    return begin(*other, failed + " does not answer", fault != Fault::kDraining, now);
+  }
+  if (is_lost || fault == Fault::kDraining) return stay();
+  take_over(now);
+  return Change::kChosen;
+}
+
+LocalizerSelector::Change LocalizerSelector::balance(const Localizer& current, Timestamp now) {
+  const Localizer* other = known_.best({name_}, now);
+  if (other == nullptr || !has_answered_) {
+    overloaded_since_.reset();
+    crowded_since_.reset();
+    return Change::kNone;
+  }
+  const bool is_overloaded = is_overloaded_for_long(current, *other, now);
+  const bool is_crowded = is_crowded_for_long(current, *other, now);
+  if (!is_overloaded && !is_crowded) return Change::kNone;
+  ++moves_;
+  return begin(*other, name_ + (is_overloaded ? " is overloaded" : " has more robots"), false, now);
+}
+
+// Without loss one interval; with loss as many as it takes for an answer to most probably come.
+bool LocalizerSelector::is_late(Timestamp since,
+                                Timestamp now,
+                                const Link& link,
+                                double factor) const {
+  const double round_trip_s =
+      link.round_trip ? to_seconds(*link.round_trip) : config_.first_round_trip_s;
+  const double loss = std::clamp(link.loss, kNoLoss, kWorstLoss);
+  const double pause_s = config_.sample_interval_s * std::log(kFalseAlarms) / std::log(loss);
+  const double in_time_s = factor * (std::max(config_.answer_timeout_s, pause_s) +
+                                     config_.timeout_round_trips * round_trip_s);
+  const double doubled_s = std::ldexp(in_time_s, std::min(consecutive_timeouts_, kMaxDoublings));
+  return to_seconds(now - since) > std::min(doubled_s, std::max(in_time_s, config_.max_timeout_s));
+}
+
+bool LocalizerSelector::is_overloaded_for_long(const Localizer& current,
+                                               const Localizer& other,
                                                Timestamp now) {
   const bool would_gain = current.status.load >= config_.overload &&
                           current.status.load - other.status.load >= config_.min_load_gain;
@@ -194,62 +200,83 @@ bool LocalizerSelector::is_overloaded_for_long(const Known& current,
     return false;
   }
   if (!overloaded_since_) overloaded_since_ = now;
-  const double share = static_cast<double>(hash(robot_, "patience") % 1000) / 1000.0;
-  return to_seconds(now - *overloaded_since_) > config_.load_patience_s * (1.0 + share);
+  const double patience_s = config_.load_patience_s * (1.0 + patience("load"));
+  return to_seconds(now - *overloaded_since_) > patience_s;
 }
 
-LocalizerSelector::Change LocalizerSelector::choose(Candidate candidate,
-                                                    std::string reason,
-                                                    Timestamp now) {
+// So many more than on the other one that the difference is still there after the move.
+bool LocalizerSelector::is_crowded_for_long(const Localizer& current,
+                                            const Localizer& other,
+                                            Timestamp now) {
+  const int here = current.status.sessions;
+  const int there = other.status.sessions;
+  const bool would_gain = here - there >= kFewerRobots && here > kFewerRobotsFactor * (there + 1) &&
+                          other.status.load <= current.status.load + kEqualLoad;
+  if (!would_gain) {
+    crowded_since_.reset();
+    return false;
+  }
+  if (!crowded_since_) crowded_since_ = now;
+  const double patience_s = config_.crowd_patience_s * (1.0 + 2.0 * patience("crowd"));
+  return to_seconds(now - *crowded_since_) > patience_s;
+}
+
+// Of this robot, 0..1, another one for each move.
+double LocalizerSelector::patience(std::string_view of) const {
+  const std::string what = std::string(of) + std::to_string(moves_);
+  return static_cast<double>(rendezvous_hash(robot_, what) % 1000) / 1000.0;
+}
+
+LocalizerSelector::Change LocalizerSelector::begin(const Localizer& successor,
+                                                   std::string reason,
+                                                   bool is_urgent,
+                                                   Timestamp now) {
+  overloaded_since_.reset();
+  crowded_since_.reset();
+  successor_ = {.name = successor.status.localizer,
+                .incarnation = successor.status.incarnation,
+                .since = now,
+                .reason = std::move(reason),
+                .is_urgent = is_urgent,
+                .answered = {}};
+  reason_ = successor_->reason;
+  return Change::kSuccessor;
+}
+
+LocalizerSelector::Change LocalizerSelector::stay() {
+  successor_.reset();
+  return Change::kStays;
+}
+
+void LocalizerSelector::choose(const std::string& name,
+                               Incarnation incarnation,
+                               std::string reason,
+                               Timestamp now) {
   reason_ = std::move(reason);
-  name_ = candidate->first;
-  incarnation_ = candidate->second.status.incarnation;
+  name_ = name;
+  incarnation_ = incarnation;
+  successor_.reset();
+  warning_.clear();
   has_answered_ = false;
   waiting_since_.reset();
   last_activity_ = now;
   overloaded_since_.reset();
-  return Change::kChosen;
-}
-
-// Without another localizer the robot stays, with a warning.
-LocalizerSelector::Change LocalizerSelector::leave_unresponsive(Known& current,
-                                                                Candidate other,
-                                                                std::string reason,
-                                                                Timestamp now) {
-  warning_ = other == known_.end() ? reason : "";
-  if (other == known_.end()) return Change::kNone;
-  current.excluded_until =
-      now + from_seconds(doubled(
-                config_.exclusion_s, current.consecutive_timeouts, config_.max_exclusion_s));
-  ++current.consecutive_timeouts;
-  ++consecutive_timeouts_;
-  return choose(other, std::move(reason), now);
-}
-
-LocalizerSelector::Change LocalizerSelector::leave(std::string reason) {
-  reason_ = std::move(reason);
-  name_.clear();
-  warning_.clear();
-  waiting_since_.reset();
-  return Change::kLeft;
-}
-
-void LocalizerSelector::erase_stalest() {
-  known_.erase(std::ranges::min_element(known_, {}, [&](const auto& item) {
-    return item.first == name_ ? Timestamp::max() : item.second.heard;
-  }));
+  crowded_since_.reset();
 }
 
 LocalizerSelector::Config read_localizer_selector_config(ConfigReader config) {
   return {.answer_timeout_s = config.positive("answer_timeout_s"),
           .timeout_round_trips = config.positive("timeout_round_trips"),
+          .first_round_trip_s = config.positive("first_round_trip_s"),
+          .sample_interval_s = config.positive("sample_interval_s"),
           .max_timeout_s = config.positive("max_timeout_s"),
-          .status_timeout_s = config.positive("status_timeout_s"),
-          .exclusion_s = config.positive("exclusion_s"),
-          .max_exclusion_s = config.positive("max_exclusion_s"),
           .overload = config.positive("overload"),
           .min_load_gain = config.positive("min_load_gain"),
-          .load_patience_s = config.positive("load_patience_s")};
+          .load_patience_s = config.positive("load_patience_s"),
+          .crowd_patience_s = config.positive("crowd_patience_s"),
+          .known = {.status_timeout_s = config.positive("status_timeout_s"),
+                    .exclusion_s = config.positive("exclusion_s"),
+                    .max_exclusion_s = config.positive("max_exclusion_s")}};
 }
 
 }  // namespace fleetloc

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <map>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "robot/cloud_client/known_localizers.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/model/session.hpp"
 
@@ -13,35 +14,31 @@ namespace fleetloc {
 
 class ConfigReader;
 
-/// Why the status of a localizer is ignored.
-enum class StatusRefusal {
-  kOutdated,  ///< of an earlier incarnation
-  kConflict,  ///< two incarnations are alive: two localizers have one name
-};
-
-/// Name in logs and summary.json, e.g. "conflicting_localizer".
-std::string_view name(StatusRefusal refusal);
-
-/// Selects the localizer of a robot from LocalizerStatus and from the answers that arrive. Among
-/// those that accept robots, have the right map and are not much more loaded than others, a hash of
-/// robot and localizer decides (rendezvous hashing), so that a fleet spreads.
+/// Selects the localizer of a robot from LocalizerStatus and from the answers that arrive; which
+/// one of several KnownLocalizers tells.
 ///
-/// Failover: when answers time out, the robot switches to another localizer, if there is one. The
-/// one that timed out is excluded for a time that doubles with each timeout, unless there is no
-/// other. Load balancing: the robot leaves an overloaded localizer only for one with clearly less
-/// load, each robot after a delay of its own. Deterministic, no clock.
+/// A robot makes before it breaks: when its localizer is about to end, does not answer or has too
+/// much to do, it keeps it and begins with a successor beside it. Whichever answers first goes on:
+/// the successor takes over with its first answer; one that was only silent for a while stays. The
+/// one that was left for its silence is excluded for a time that doubles with each timeout, unless
+/// there is no other.
+///
+/// Load balancing: the robot leaves an overloaded localizer only for one with clearly less load,
+/// and a crowded one for one with clearly fewer robots, each robot after a delay of its own, so
+/// that they see one another's moves. Deterministic, no clock.
 class LocalizerSelector {
  public:
   struct Config {
     double answer_timeout_s;     ///< without an answer, on top of the round trips below
     double timeout_round_trips;  ///< of the measured length
-    double max_timeout_s;        ///< doubles with every switch without an answer since
-    double status_timeout_s;     ///< without LocalizerStatus for longer: gone
-    double exclusion_s;          ///< after a timeout; doubles each time
-    double max_exclusion_s;
-    double overload;         ///< load from which on a robot may switch
-    double min_load_gain;    ///< smallest difference of loads for a switch
-    double load_patience_s;  ///< how long it must last; up to twice, by robot
+    double first_round_trip_s;   ///< assumed until one is measured
+    double sample_interval_s;    ///< so often an answer is asked for
+    double max_timeout_s;        ///< doubles with every change without an answer since
+    double overload;             ///< load from which on a robot may switch
+    double min_load_gain;        ///< smallest difference of loads for a switch
+    double load_patience_s;      ///< how long it must last; up to twice, by robot
+    double crowd_patience_s;     ///< the same, for too many robots; up to thrice
+    KnownLocalizers::Config known;
   };
   /// Measured properties of the link to the chosen localizer.
   struct Link {
@@ -50,73 +47,97 @@ class LocalizerSelector {
   };
   enum class Change {
     kNone,
-    kChosen,     ///< another localizer than before
+    kChosen,     ///< another localizer than before; if it was the successor, that has taken over
     kRestarted,  ///< the same one, which has lost all sessions
     kLeft,       ///< there is none now
+    kSuccessor,  ///< the chosen one stays until this one, which is new, answers
+    kStays,      ///< the chosen one, and there is no successor any more
+  };
+  struct Successor {
+    std::string name;
+    Incarnation incarnation{};
+    Timestamp since;
+    std::string reason;                 ///< for the change
+    bool is_urgent = false;             ///< the chosen one is silent
+    std::optional<Timestamp> answered;  ///< without a pose
   };
 
   LocalizerSelector(std::string_view robot, const Config& config);
 
-  expected<void, StatusRefusal> update(const LocalizerStatus& status, Timestamp now);
+  expected<void, StatusRefusal> update(const LocalizerStatus& status, Timestamp now) {
+    return known_.update(status, name_, now);
+  }
 
   /// A submap was sent to the chosen localizer: an answer is expected.
   void sent(Timestamp now);
+  /// By the chosen localizer.
   void answered(Timestamp now);
+  /// By the successor, with a pose: it becomes the chosen one.
+  void take_over(Timestamp now);
+  /// By the successor, without a pose.
+  void successor_answered(Timestamp now) { successor_->answered = now; }
+  void drop_successor() { successor_.reset(); }
 
   /// From now on only localizers with this map are used: the robot's map poses refer to it.
-  void require_map(const MapHash& map) { map_ = map; }
-  [[nodiscard]] bool accepts_map(const MapHash& map) const { return !map_ || *map_ == map; }
+  void require_map(const MapHash& map) { known_.require_map(map); }
+  [[nodiscard]] bool accepts_map(const MapHash& map) const { return known_.accepts_map(map); }
 
   /// Evaluates timeouts and loads; to be called regularly.
   Change decide(Timestamp now, const Link& link);
 
   /// The others that it would choose next, the best one first.
-  [[nodiscard]] std::vector<std::string> standbys(std::size_t count, Timestamp now) const;
+  [[nodiscard]] std::vector<std::string> standbys(std::size_t count, Timestamp now) const {
+    return known_.standbys(count, name_, now);
+  }
 
   [[nodiscard]] const std::string& name() const { return name_; }         ///< empty: none
   [[nodiscard]] Incarnation incarnation() const { return incarnation_; }  ///< of the chosen one
+  [[nodiscard]] const std::optional<Successor>& successor() const { return successor_; }
   /// Why the last change happened, as text for a log.
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// Text for a log while the chosen localizer fails and there is no other; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
   /// A localizer that accepts robots but has another map; empty if there is none.
-  [[nodiscard]] std::string_view other_map() const { return other_map_; }
+  [[nodiscard]] const std::string& other_map() const { return other_map_; }
 
  private:
-  struct Known {
-    LocalizerStatus status;
-    Timestamp heard;
-    std::optional<Timestamp> older_heard;  // status of an earlier incarnation
-    Timestamp excluded_until{Timestamp::min()};
-    int consecutive_timeouts = 0;  // since its last answer
-  };
-  using Candidate = std::map<std::string, Known>::iterator;
+  using Localizer = KnownLocalizers::Localizer;
+  using Range = KnownLocalizers::Range;
+  enum class Fault { kNone, kDraining, kGone, kSilent, kRefuses };
 
-  [[nodiscard]] bool is_alive(const Known& known, Timestamp now) const;
-  [[nodiscard]] bool is_candidate(const Known& known, Timestamp now, bool even_excluded) const;
-  Candidate best(Timestamp now, bool even_excluded);
-  [[nodiscard]] bool is_silent(Timestamp now, const Link& link) const;
-  [[nodiscard]] bool is_overloaded_for_long(const Known& current,
-                                            const Known& other,
+  [[nodiscard]] Fault fault_of(const Localizer& current, Timestamp now, const Link& link) const;
+  [[nodiscard]] bool is_late(Timestamp since, Timestamp now, const Link& link, double factor) const;
+  [[nodiscard]] bool is_crowded_for_long(const Localizer& current,
+                                         const Localizer& other,
+                                         Timestamp now);
+  [[nodiscard]] bool is_overloaded_for_long(const Localizer& current,
+                                            const Localizer& other,
                                             Timestamp now);
+  [[nodiscard]] double patience(std::string_view of) const;
   Change choose_first(Timestamp now);
-  Change follow_restart(const Known& current, Timestamp now);
-  Change choose(Candidate candidate, std::string reason, Timestamp now);
-  Change leave_unresponsive(Known& current, Candidate other, std::string reason, Timestamp now);
-  Change leave(std::string reason);
-  void erase_stalest();
+  Change leave_map(Timestamp now);
+  Change follow_restart(const Localizer& current, Timestamp now);
+  Change follow_successor(Timestamp now, const Link& link);
+  Change replace_successor(Fault fault, bool is_lost, Timestamp now);
+  Change leave(Fault fault, Timestamp now);
+  Change balance(const Localizer& current, Timestamp now);
+  Change begin(const Localizer& successor, std::string reason, bool is_urgent, Timestamp now);
+  Change stay();
+  void choose(const std::string& name, Incarnation incarnation, std::string reason, Timestamp now);
 
   std::string robot_;
   Config config_;
-  std::map<std::string, Known> known_;
-  std::optional<MapHash> map_;
+  KnownLocalizers known_;
   std::string name_;
   Incarnation incarnation_{};
+  std::optional<Successor> successor_;
   bool has_answered_ = false;               // since it was chosen
   std::optional<Timestamp> waiting_since_;  // for an answer
   Timestamp last_activity_;                 // when it was chosen, or its last answer
   std::optional<Timestamp> overloaded_since_;
-  int consecutive_timeouts_ = 0;  // switches without an answer since
+  std::optional<Timestamp> crowded_since_;
+  std::uint32_t moves_ = 0;       // begun for the sake of load
+  int consecutive_timeouts_ = 0;  // successors that did not answer, since an answer
   std::string reason_;
   std::string warning_;
   std::string other_map_;

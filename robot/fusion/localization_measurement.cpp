@@ -27,11 +27,7 @@ LocalizationMeasurement measurement_from(const LocalizationResult& answer,
   result.T_odom_body = T_odom_body;
 
   const Matrix6d map_axes = adjoint({answer.T_map_body.R, Eigen::Vector3d::Zero()});
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(map_axes * answer.covariance *
-                                                      map_axes.transpose());
-  result.root_map = eigen.eigenvectors() *
-                    eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-                    eigen.eigenvectors().transpose();
+  result.root_map = symmetric_root(map_axes * answer.covariance * map_axes.transpose());
   result.covariance = answer.covariance + clone_covariance(noise);
   result.white = noise.white_share * answer.covariance + clone_covariance(noise);
   result.J_error = std::sqrt(1.0 - noise.white_share) * map_axes.transpose() * result.root_map;
@@ -46,6 +42,12 @@ Matrix6d alignment_covariance(const LocalizationMeasurement& measurement) {
 
 Pose alignment_from(const LocalizationMeasurement& measurement) {
   return measurement.T_map_body * inverse(measurement.T_odom_body);
+}
+
+Matrix6d symmetric_root(const Matrix6d& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(matrix);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         eigen.eigenvectors().transpose();
 }
 
 double chi_square(const Vector6d& residual, const Matrix6d& covariance) {

@@ -52,6 +52,9 @@ Matrix6d alignment_covariance(const LocalizationMeasurement& measurement);
 /// T_map_odom from this measurement alone: T_map_body * T_odom_body^-1.
 Pose alignment_from(const LocalizationMeasurement& measurement);
 
+/// The symmetric root of a positive semi-definite matrix.
+Matrix6d symmetric_root(const Matrix6d& matrix);
+
 /// r^T S^-1 r; infinite unless S is positive definite.
 double chi_square(const Vector6d& residual, const Matrix6d& covariance);
 

@@ -56,6 +56,7 @@ AnswerOutcome MapAlignment::initialize(const LocalizationMeasurement& answer, An
   map_hash_ = answer.map_hash;
   error_stamp_ = answer.stamp;
   error_oldest_stamp_ = answer.oldest_stamp;
+  error_p_map_body_ = answer.T_map_body.p;
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
@@ -99,6 +100,47 @@ double MapAlignment::shared_window(const LocalizationMeasurement& answer) const 
   return std::max(0.0, to_seconds(shared) / to_seconds(shorter));
 }
 
+// u becomes F * u.
+void MapAlignment::transform_error(const Matrix6d& F) {
+  error_ = F * error_;
+  P_.rightCols<6>() *= F.transpose();
+  P_.bottomRows<6>() = F * P_.bottomRows<6>().eval();
+}
+
+// u becomes the same error, normalized by another root: error * u is root * u'.
+void MapAlignment::normalize_error(const Matrix6d& error, const Matrix6d& root) {
+  transform_error(root.ldlt().solve(error));
+  error_root_ = root;
+}
+
+// A wrong place is a rigid motion of the whole window: at the body's next place, its rotation has
+// another lever arm.
+void MapAlignment::carry_error_to(const Eigen::Vector3d& p_map_body) {
+  const Pose lever{Eigen::Quaterniond::Identity(), error_p_map_body_ - p_map_body};
+  const Matrix6d error = adjoint(lever) * error_root_;
+  normalize_error(error, symmetric_root(error * error.transpose()));
+  error_p_map_body_ = p_map_body;
+}
+
+// An answer whose window contains the earlier one's cannot be less certain. Where it is, the
+// earlier one was too certain, as along a direction that the map hardly constrains and that turns
+// as more is seen of it: its error becomes that uncertain, and with it what T_map_odom has of it.
+// Otherwise two such answers would cross at a point.
+void MapAlignment::widen_error(const LocalizationMeasurement& answer) {
+  if (answer.oldest_stamp > error_oldest_stamp_) return;
+  const Matrix6d J = error_root_.ldlt().solve(answer.root_map);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(J * J.transpose());
+  const Matrix6d& V = eigen.eigenvectors();
+  const Vector6d widened = eigen.eigenvalues().cwiseMax(1.0);
+  Eigen::Matrix<double, 12, 6> by_error;
+  by_error << P_.bottomRightCorner<6, 6>().ldlt().solve(P_.bottomLeftCorner<6, 6>()).transpose(),
+      Matrix6d::Identity();
+  const Eigen::Matrix<double, 12, 6> along = by_error * V;
+  P_ += along * (widened - Vector6d::Ones()).asDiagonal() * along.transpose();
+  const Matrix6d error = error_root_ * V;
+  normalize_error(error_root_, symmetric_root(error * widened.asDiagonal() * error.transpose()));
+}
+
 // Transition of u from the answer that it belongs to, to a later one. Their windows overlap, so the
 // answer with the smaller covariance contains the information of the other: the covariance of their
 // errors is the smaller one (as in a filter, where cov(e_k, e_j) = cov(e_k) for j < k), not the
@@ -115,10 +157,10 @@ Matrix6d MapAlignment::error_transition(const LocalizationMeasurement& answer) c
 }
 
 void MapAlignment::age_error(const LocalizationMeasurement& answer) {
+  carry_error_to(answer.T_map_body.p);
+  widen_error(answer);
   const Matrix6d F = error_transition(answer);
-  error_ = F * error_;
-  P_.rightCols<6>() *= F.transpose();
-  P_.bottomRows<6>() = F * P_.bottomRows<6>().eval();
+  transform_error(F);
   P_.bottomRightCorner<6, 6>() += Matrix6d::Identity() - F * F.transpose();
   error_stamp_ = answer.stamp;
   error_oldest_stamp_ = answer.oldest_stamp;

@@ -54,6 +54,10 @@ class MapAlignment {
   AnswerOutcome initialize(const LocalizationMeasurement& answer, AnswerEffect effect);
   AnswerOutcome apply_to_continued(const LocalizationMeasurement& answer);
   [[nodiscard]] bool agrees_with_continued(const LocalizationMeasurement& answer) const;
+  void transform_error(const Matrix6d& F);
+  void normalize_error(const Matrix6d& error, const Matrix6d& root);
+  void carry_error_to(const Eigen::Vector3d& p_map_body);
+  void widen_error(const LocalizationMeasurement& answer);
   [[nodiscard]] double shared_window(const LocalizationMeasurement& answer) const;
   [[nodiscard]] Matrix6d error_transition(const LocalizationMeasurement& answer) const;
   void age_error(const LocalizationMeasurement& answer);
@@ -66,9 +70,10 @@ class MapAlignment {
   MapHash map_hash_{};
   bool continued_ = false;
   std::optional<Timestamp> last_applied_;
-  Timestamp error_stamp_;                       ///< of the answer that u belongs to
-  Timestamp error_oldest_stamp_;                ///< where the window of that answer begins
-  Matrix6d error_root_ = Matrix6d::Identity();  ///< of that answer, in map axes
+  Timestamp error_stamp_;         ///< of the answer that u belongs to
+  Timestamp error_oldest_stamp_;  ///< where the window of that answer begins
+  Eigen::Vector3d error_p_map_body_ = Eigen::Vector3d::Zero();  ///< of that answer
+  Matrix6d error_root_ = Matrix6d::Identity();  ///< of its covariance at the body, in map axes
   double metres_since_error_ = 0.0;
   Pose T_map_odom_;
   Vector6d error_ = Vector6d::Zero();  ///< u

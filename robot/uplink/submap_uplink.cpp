@@ -14,6 +14,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::array<std::size_t, 3> kLongEdges{8, 16, 32};  // keyframes
+constexpr double kWorstLoss = 0.75;        // beyond, a handover brings no more bytes
 constexpr std::size_t kMaxEdgesAlone = 3;  // of keyframes that are not in the sample
 constexpr std::size_t kTooLateToHelp = 2;  // keyframes before the end of the cloud's window
 
@@ -46,12 +47,14 @@ void SubmapUplink::start_session(const RectifiedStereo& stereo) {
   has_unsent_ = false;
 }
 
-void SubmapUplink::restart(SessionNumber session, Incarnation incarnation) {
-  sender_.restart(session, incarnation);
+void SubmapUplink::restart(SessionNumber session, Incarnation incarnation, std::uint32_t used) {
+  sender_.restart(session, incarnation, used);
   record_.clear();
   planned_.reset();
   has_unsent_ = !history_.empty();
-  budget_.grant(config_.handover_datagrams * config_.max_payload_bytes);
+  const auto bytes = static_cast<double>(config_.handover_datagrams * config_.max_payload_bytes);
+  budget_.grant(static_cast<std::size_t>(bytes / (1.0 - std::min(loss_, kWorstLoss))));
+  sent_.reset();
 }
 
 void SubmapUplink::forget_deliveries() {
@@ -99,9 +102,8 @@ std::optional<Message> SubmapUplink::next(const AnswerReceipt& receipt, Timestam
 std::optional<Message> SubmapUplink::next_sample(const AnswerReceipt& receipt, Timestamp now) {
   loss_ = sender_.expected_loss(now);
   budget_.advance(now, loss_);
-  if (history_.empty() || (sent_ && to_seconds(now - *sent_) < config_.min_pause_s)) {
-    return std::nullopt;
-  }
+  const double pause_s = budget_.has_grant() ? config_.handover_pause_s : config_.min_pause_s;
+  if (history_.empty() || (sent_ && to_seconds(now - *sent_) < pause_s)) return std::nullopt;
   std::optional<Plan> plan;
   if (has_unsent_) {
     if (!planned_) planned_ = plan_newest();
@@ -261,6 +263,7 @@ SubmapUplink::Config read_submap_uplink_config(ConfigReader config) {
           static_cast<std::size_t>(config.integer("max_payload_bytes", 400, 60'000)),
       .min_pause_s = config.positive("min_pause_s"),
       .handover_datagrams = static_cast<std::size_t>(config.integer("handover_datagrams", 0, 100)),
+      .handover_pause_s = config.positive("handover_pause_s"),
       .budget = read_byte_budget_config(config.section("budget"))};
 }
 

@@ -42,6 +42,7 @@ class SubmapUplink {
     std::size_t max_payload_bytes;
     double min_pause_s;              ///< between datagrams
     std::size_t handover_datagrams;  ///< beyond the budget, for a localizer that takes over
+    double handover_pause_s;         ///< between these
     ByteBudget::Config budget;
   };
 
@@ -51,7 +52,8 @@ class SubmapUplink {
   void start_session(const RectifiedStereo& stereo);
 
   /// A new stream of samples, to an incarnation of a localizer that has nothing of this session.
-  void restart(SessionNumber session, Incarnation incarnation);
+  /// @param used  see SubmapSender::restart
+  void restart(SessionNumber session, Incarnation incarnation, std::uint32_t used = 0);
 
   /// The localizer has lost what it had of this session; the stream goes on.
   void forget_deliveries();

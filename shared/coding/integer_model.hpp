@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 
 #include "shared/coding/bit_model.hpp"
 
@@ -14,16 +16,7 @@ namespace fleetloc {
 /// leading one, of which the first two have models. A sign follows, if there is one.
 class IntegerModel {
  public:
-  static constexpr std::size_t kLengths = 33;
-
-  IntegerModel() = default;
-
-  /// @param longer  shares in 1/256 that a number has more than 1, 2, ... bits; the last one holds
-  ///                for all longer ones
-  template <std::size_t N>
-  explicit IntegerModel(const std::array<std::uint8_t, N>& longer) {
-    for (std::size_t i = 0; i < kLengths; ++i) longer_[i] = BitModel(longer[i < N ? i : N - 1]);
-  }
+  static constexpr std::size_t kMaxLength = 32;  // of the bits below the leading one
 
   template <typename Coder>
   std::uint32_t code(Coder& coder, std::uint32_t value);
@@ -32,11 +25,21 @@ class IntegerModel {
   template <typename Coder>
   std::int32_t code_signed(Coder& coder, std::int32_t value);
 
- private:
-  static constexpr std::size_t kShaped = 12;  // lengths whose bits have models
+  /// See model_rows.hpp.
+  template <typename Visit>
+  void for_each_row(const std::string& name, const Visit& visit) {
+    visit(name + ".longer", std::span<BitModel>(longer_));
+    visit(name + ".first", std::span<BitModel>(first_));
+    visit(name + ".second", std::span<BitModel>(second_));
+    visit(name + ".negative", std::span<BitModel>(&negative_, 1));
+  }
 
-  std::array<BitModel, kLengths> longer_;
-  std::array<std::array<BitModel, 3>, kShaped> leading_;  // first bit; second after 0, after 1
+ private:
+  static constexpr std::size_t kShaped = 11;  // up to this length bits have models
+
+  std::array<BitModel, kMaxLength> longer_;       // than 0, 1, ...
+  std::array<BitModel, kShaped> first_;           // of length 1, 2, ...
+  std::array<BitModel, 2 * kShaped - 2> second_;  // of length 2 after 0, after 1; of length 3 ...
   BitModel negative_;
 };
 
@@ -45,15 +48,16 @@ std::uint32_t IntegerModel::code(Coder& coder, std::uint32_t value) {
   const std::uint64_t shifted = std::uint64_t{value} + 1;
   const std::size_t value_length = static_cast<std::size_t>(std::bit_width(shifted)) - 1;
   std::size_t length = 0;  // of the bits below the leading one
-  while (length < kLengths - 1 && coder.code(longer_[length], length < value_length)) ++length;
+  while (length < kMaxLength && coder.code(longer_[length], length < value_length)) ++length;
   std::uint64_t result = 1;
   std::size_t left = length;
   const auto bit_at = [&](std::size_t place) { return ((shifted >> place) & 1U) != 0; };
-  if (length < kShaped && left > 0) {
-    const bool first = coder.code(leading_[length][0], bit_at(--left));
+  if (length <= kShaped && left > 0) {
+    const bool first = coder.code(first_[length - 1], bit_at(--left));
     result = 2 * result + (first ? 1 : 0);
     if (left > 0) {
-      const bool second = coder.code(leading_[length][first ? 2 : 1], bit_at(--left));
+      const std::size_t place = 2 * (length - 2) + (first ? 1 : 0);
+      const bool second = coder.code(second_[place], bit_at(--left));
       result = 2 * result + (second ? 1 : 0);
     }
   }

@@ -72,7 +72,11 @@ CompactRoot<N> CompactRoot<N>::of(const Matrix& matrix) {
   const Matrix root =
       eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   const Matrix qr = root.householderQr().matrixQR();
-  const Matrix R = Matrix(qr.template triangularView<Eigen::Upper>()) * sizes.asDiagonal();
+  Matrix R = Matrix(qr.template triangularView<Eigen::Upper>()) * sizes.asDiagonal();
+  // The sign of a row means nothing: with this one all samples are alike, and coded in less.
+  for (int row = 0; row < N; ++row) {
+    if (R(row, row) < 0.0) R.row(row) = -R.row(row);
+  }
 
   CompactRoot out;
   for (int group = 0; group < N / 3; ++group) {

@@ -53,6 +53,7 @@ class ObservationCoder {
                 const std::vector<Observation>& actual,
                 std::vector<Observation>& coded);
   Observation code_first(const Observation& actual);
+  std::int32_t code_disparity(std::int32_t actual);
 
   Coder& coder_;
   SubmapModels& models_;
@@ -129,8 +130,7 @@ CompactSubmap::Observation ObservationCoder<Coder>::code_seen(LandmarkTrack& tra
       const int near = rounded(expected.disparity, 1, predictor_.max_steps());
       coded.disparity = checked(deviation(models_.disparity[seen], actual.disparity, near), 1);
     } else {
-      const auto above = static_cast<std::uint32_t>(Coder::kDecodes ? 0 : actual.disparity - 1);
-      coded.disparity = checked(std::int64_t{models_.new_disparity.code(coder_, above)} + 1, 1);
+      coded.disparity = code_disparity(actual.disparity);
     }
   }
   track.add(coded, index, expected.disparity);
@@ -169,16 +169,22 @@ bool ObservationCoder<Coder>::code_new(std::size_t index,
 template <typename Coder>
 CompactSubmap::Observation ObservationCoder<Coder>::code_first(const Observation& actual) {
   Observation coded;
-  const auto code_pixel = [&](IntegerModel& model, std::int32_t value, std::int32_t min) {
-    const auto above = static_cast<std::uint32_t>(Coder::kDecodes ? 0 : value - min);
-    return checked(std::int64_t{model.code(coder_, above)} + min, min);
+  const auto code_pixel = [&](IntegerModel& model, std::int32_t value, std::int32_t center) {
+    return checked(std::int64_t{center} + model.code_signed(coder_, value - center), 0);
   };
-  coded.u = code_pixel(models_.new_u, actual.u, 0);
-  coded.v = code_pixel(models_.new_v, actual.v, 0);
+  coded.u = code_pixel(models_.new_u, actual.u, predictor_.center_u());
+  coded.v = code_pixel(models_.new_v, actual.v, predictor_.center_v());
   if (coder_.code(models_.in_right[1], actual.disparity > 0)) {
-    coded.disparity = code_pixel(models_.new_disparity, actual.disparity, 1);
+    coded.disparity = code_disparity(actual.disparity);
   }
   return coded;
+}
+
+// Nothing is expected of it.
+template <typename Coder>
+std::int32_t ObservationCoder<Coder>::code_disparity(std::int32_t actual) {
+  const auto above = static_cast<std::uint32_t>(Coder::kDecodes ? 0 : actual - 1);
+  return checked(std::int64_t{models_.new_disparity.code(coder_, above)} + 1, 1);
 }
 
 }  // namespace fleetloc

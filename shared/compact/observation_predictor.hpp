@@ -48,6 +48,10 @@ class ObservationPredictor {
   /// Pixels are below it [pixel steps].
   [[nodiscard]] int max_steps() const { return max_steps_; }
 
+  /// Principal point [pixel steps].
+  [[nodiscard]] int center_u() const { return rounded(center_u_, 0, max_steps_); }
+  [[nodiscard]] int center_v() const { return rounded(center_v_, 0, max_steps_); }
+
  private:
   double focal_, center_u_, center_v_, baseline_;  // [pixel steps; m]
   int max_steps_;

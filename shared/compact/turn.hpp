@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "shared/coding/bit_model.hpp"
 #include "shared/coding/integer_model.hpp"
+#include "shared/coding/model_rows.hpp"
 #include "shared/compact/strict_pose.hpp"
 
 namespace fleetloc {
@@ -26,6 +28,12 @@ struct TurnModels {
   BitModel is_far;  // w is not the largest component
   std::array<IntegerModel, 3> others;
 };
+
+template <typename Visit>
+void for_each_row(const std::string& name, TurnModels& models, const Visit& visit) {
+  for_each_row(name + ".is_far", models.is_far, visit);
+  for_each_row(name + ".others", models.others, visit);
+}
 
 /// @return false if it is no rotation
 template <typename Coder>

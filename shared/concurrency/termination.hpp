@@ -8,8 +8,9 @@
 
 namespace fleetloc {
 
-/// Turns SIGINT and SIGTERM into a stop request. Create it before any other thread, which then
-/// inherits the blocked signals. SIGUSR1 is blocked as well, and only wakes the thread.
+/// Turns SIGINT and SIGTERM into a stop request, and a second one into an urgent one. Create it
+/// before any other thread, which then inherits the blocked signals. SIGUSR1 is blocked as well,
+/// and only wakes the thread.
 class Termination {
  public:
   Termination() {
@@ -26,18 +27,22 @@ class Termination {
   Termination& operator=(const Termination&) = delete;
 
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+  /// Requested by the second signal: do not wait for anybody.
+  [[nodiscard]] std::stop_token urgent_token() const { return urgent_.get_token(); }
 
  private:
   void watch(const std::stop_token& done) {
     while (!done.stop_requested()) {
       int signal = 0;
       sigwait(&signals_, &signal);
-      if (signal != SIGUSR1) source_.request_stop();
+      if (signal == SIGUSR1) continue;
+      if (!source_.request_stop()) urgent_.request_stop();
     }
   }
 
   sigset_t signals_{};
   std::stop_source source_;
+  std::stop_source urgent_;
   std::jthread thread_;  // last: uses the others
 };
 

@@ -39,8 +39,9 @@ struct LocalizerStatus {
   Incarnation incarnation{};  ///< a new one has no sessions
   MapHash map_hash{};
   int sessions = 0;
-  double load = 0.0;  ///< share of its worker time in use, 0..1
-  bool accepting = false;
+  double load = 0.0;       ///< share of its worker time in use, 0..1
+  bool accepting = false;  ///< takes robots that it does not serve yet
+  bool draining = false;   ///< is about to end: its robots should leave
 };
 
 }  // namespace fleetloc

@@ -21,10 +21,10 @@ ByteBudget::ByteBudget(const Config& config)
 void ByteBudget::advance(Timestamp now, double loss) {
   const double elapsed_s = now_ ? to_seconds(now - *now_) : 0.0;
   now_ = now;
-  tokens_.advance(now, rate_);
+  tokens_.advance(now, bytes_per_s());
   cap_ = loss >= config_.high_loss ? config_.max_bytes_per_s_high_loss : config_.max_bytes_per_s;
   if (elapsed_s <= 0.0) return;
-  const bool may_grow = to_seconds(queueing_) <= config_.max_queueing_s;
+  const bool may_grow = is_measured() && to_seconds(queueing_) <= config_.max_queueing_s;
   const double growth = may_grow ? config_.increase_bytes_per_s2 * elapsed_s : 0.0;
   rate_ = std::clamp(rate_ + growth, config_.min_bytes_per_s, cap_);
 }
@@ -36,11 +36,11 @@ void ByteBudget::measured(Duration round_trip, Timestamp now) {
   shortest_.push_back({now, round_trip});
   while (to_seconds(now - shortest_.front().at) > config_.shortest_memory_s) shortest_.pop_front();
 
-  const Duration present = std::ranges::min_element(recent_, {}, &RoundTrip::length)->length;
-  queueing_ = present - shortest_.front().length;
+  round_trip_ = std::ranges::min_element(recent_, {}, &RoundTrip::length)->length;
+  queueing_ = round_trip_ - shortest_.front().length;
   if (to_seconds(queueing_) <= config_.max_queueing_s || (next_cut_ && now < *next_cut_)) return;
   rate_ = std::max(config_.min_bytes_per_s, config_.decrease * rate_ / stretch());
-  next_cut_ = now + present + from_seconds(kCutPauseSeconds);
+  next_cut_ = now + round_trip_ + from_seconds(kCutPauseSeconds);
 }
 
 // How much longer the latest samples took to arrive than to be sent: a full bottleneck passes that
@@ -60,7 +60,9 @@ ByteBudget::Config read_byte_budget_config(ConfigReader config) {
           .max_queueing_s = config.positive("max_queueing_s"),
           .increase_bytes_per_s2 = config.positive("increase_bytes_per_s2"),
           .decrease = config.positive("decrease"),
-          .shortest_memory_s = config.positive("shortest_memory_s")};
+          .shortest_memory_s = config.positive("shortest_memory_s"),
+          .unmeasured_bytes_per_s = config.positive("unmeasured_bytes_per_s"),
+          .measured_for_s = config.positive("measured_for_s")};
 }
 
 }  // namespace fleetloc

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <optional>
@@ -17,6 +18,8 @@ class ConfigReader;
 /// when they get longer, it is cut to a share of what the link has passed lately, which shares a
 /// bottleneck evenly among robots that know nothing of each other (Chiu and Jain, 1989; delay as
 /// the signal: LEDBAT, RFC 6817). Loss is no sign of congestion here: radio links lose at any rate.
+/// Silence may be one: until a round trip is measured, and after a time without any, the rate is
+/// low enough to leave room for discovery on the narrowest link.
 class ByteBudget {
  public:
   struct Config {
@@ -24,11 +27,13 @@ class ByteBudget {
     double max_bytes_per_s_high_loss;  ///< the same, from `high_loss` on
     double high_loss;                  ///< share of samples
     double min_bytes_per_s;
-    double burst_bytes;            ///< that may be sent at once after a pause
-    double max_queueing_s;         ///< beyond it the rate is cut
-    double increase_bytes_per_s2;  ///< otherwise it grows
-    double decrease;               ///< share of the passed rate that is left by a cut
-    double shortest_memory_s;      ///< for so long the shortest round trip is remembered
+    double burst_bytes;             ///< that may be sent at once after a pause
+    double max_queueing_s;          ///< beyond it the rate is cut
+    double increase_bytes_per_s2;   ///< otherwise it grows
+    double decrease;                ///< share of the passed rate that is left by a cut
+    double shortest_memory_s;       ///< for so long the shortest round trip is remembered
+    double unmeasured_bytes_per_s;  ///< at most, while no round trip is known
+    double measured_for_s;          ///< after the latest round trip
   };
 
   explicit ByteBudget(const Config& config);
@@ -42,11 +47,19 @@ class ByteBudget {
   [[nodiscard]] bool allows(std::size_t bytes) const { return tokens_.allows(bytes); }
   void spend(std::size_t bytes) { tokens_.spend(bytes); }
 
-  /// Bytes on top, once.
-  void grant(std::size_t bytes) { tokens_.grant(bytes); }
+  /// Bytes on top, once; none while no round trip is known.
+  void grant(std::size_t bytes) {
+    if (is_measured()) tokens_.grant(bytes);
+  }
+  /// Whether some of these are left.
+  [[nodiscard]] bool has_grant() const { return tokens_.exceeds_burst(); }
 
-  [[nodiscard]] double bytes_per_s() const { return rate_; }
+  [[nodiscard]] double bytes_per_s() const {
+    return is_measured() ? rate_ : std::min(rate_, config_.unmeasured_bytes_per_s);
+  }
   [[nodiscard]] Duration queueing() const { return queueing_; }
+  /// The latest one, past jitter; zero before the first.
+  [[nodiscard]] Duration round_trip() const { return round_trip_; }
 
  private:
   struct RoundTrip {
@@ -55,6 +68,9 @@ class ByteBudget {
   };
 
   [[nodiscard]] double stretch() const;
+  [[nodiscard]] bool is_measured() const {
+    return !recent_.empty() && to_seconds(*now_ - recent_.back().at) <= config_.measured_for_s;
+  }
 
   Config config_;
   double cap_;
@@ -64,6 +80,7 @@ class ByteBudget {
   std::deque<RoundTrip> recent_;    // to look past jitter
   std::deque<RoundTrip> shortest_;  // increasing in both
   Duration queueing_{};
+  Duration round_trip_{};
   std::optional<Timestamp> next_cut_;
 };
 

@@ -11,13 +11,13 @@ constexpr std::size_t kMaxInFlight = 512;  // acknowledgements of older samples 
 
 }  // namespace
 
-void SubmapSender::restart(SessionNumber session, Incarnation incarnation) {
+void SubmapSender::restart(SessionNumber session, Incarnation incarnation, std::uint32_t used) {
   SubmapSender fresh;
   fresh.session_ = session;
   fresh.incarnation_ = incarnation;
   fresh.round_trip_ = round_trip_;  // the network is still the same
   // A localizer that this robot comes back to may remember the session and its numbers.
-  if (session == session_) fresh.next_number_ = next_number_;
+  if (session == session_) fresh.next_number_ = std::max(next_number_, used);
   *this = std::move(fresh);
 }
 

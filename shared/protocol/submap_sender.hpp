@@ -25,7 +25,8 @@ class SubmapSender {
 
   /// A new session, incarnation or localizer: all acknowledgements are discarded. Numbers start at
   /// zero with each session.
-  void restart(SessionNumber session, Incarnation incarnation);
+  /// @param used  numbers of the same session below it are not used again: another sender has
+  void restart(SessionNumber session, Incarnation incarnation, std::uint32_t used = 0);
 
   /// True if a submap with this newest keyframe was sent and may still be on its way.
   [[nodiscard]] bool awaits(KeyframeId newest) const;

@@ -31,6 +31,7 @@ class TokenBucket {
     const auto granted = static_cast<double>(bytes);
     tokens_ = std::min(tokens_, burst_bytes_) + granted;
   }
+  [[nodiscard]] bool exceeds_burst() const { return tokens_ > burst_bytes_; }
 
  private:
   double burst_bytes_;

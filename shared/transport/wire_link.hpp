@@ -15,10 +15,14 @@ namespace fleetloc {
 /// What is known of a channel's datagrams for longer than one of its participants lives. Each
 /// member stands alone, and any thread may use it; wire_transport.cpp has their order.
 struct WireLink {
-  WireLink(ChannelRole role, const std::optional<LinkConfig>& link) {
-    if (link) emulated.emplace(role, *link);
+  WireLink(ChannelRole its_role, const std::optional<LinkConfig>& link) : role(its_role) {
+    if (link) emulated.emplace(its_role, *link);
   }
 
+  const ChannelRole role;
+  /// Of discovery [bytes a second, on the wire]: all that a robot sends, and what a localizer sends
+  /// to each address. 0: as much as there is.
+  double max_discovery_bytes_per_s = 0.0;
   /// Participants of the same process are not discovered, so what they send here is no traffic.
   bool ignores_own_process = false;
   std::optional<EmulatedLink> emulated;

@@ -12,6 +12,8 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/transport/delay_line.hpp"
+#include "shared/transport/discovery_pacing.hpp"
+#include "shared/transport/locators.hpp"
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
@@ -26,14 +28,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// The first byte is the highest.
-std::uint32_t address_of(const rtps::Locator_t& locator) {
-  const rtps::octet* bytes = rtps::IPLocator::getIPv4(locator);
-  std::uint32_t address = 0;
-  for (int i = 0; i < 4; ++i) address = address << 8U | bytes[i];
-  return address;
-}
 
 bool transmit(rtps::SenderResource& socket,
               RtpsBytes datagram,
@@ -73,7 +67,9 @@ class Transport final : public fdr::ChainingTransport {
         descriptor_(descriptor),
         has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
-        delay_line_(link_->emulated ? std::make_unique<DelayLine>() : nullptr) {}
+        discovery_(link_->role, link_->max_discovery_bytes_per_s),
+        delay_line_(link_->emulated || discovery_.is_limited() ? std::make_unique<DelayLine>()
+                                                               : nullptr) {}
   ~Transport() override { stop(); }
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
@@ -119,6 +115,11 @@ class Transport final : public fdr::ChainingTransport {
     return link_->answered_heartbeats.includes(datagram, to) ||
            !link_->silent_servers.passes(to, now);
   }
+  /// What comes behind the selection of destinations.
+  bool pass_on(rtps::SenderResource* socket,
+               RtpsBytes datagram,
+               const fdr::LocatorList& destinations,
+               Clock::time_point timeout);
   /// Copies the datagram: the library's buffer is valid in this call only.
   void send_later(rtps::SenderResource* socket,
                   RtpsBytes datagram,
@@ -148,6 +149,7 @@ class Transport final : public fdr::ChainingTransport {
   OwnDatagrams own_;
   InitialAckPacing initial_acks_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
+  DiscoveryPacing discovery_;
   std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
 };
 
@@ -164,7 +166,7 @@ fdr::LocatorList Transport::useful(RtpsBytes datagram,
     if (!IsLocatorSupported(*begin)) continue;
     if (rtps::IPLocator::isMulticast(*begin)) {
       useful.push_back(*begin);
-    } else if (routes_.has_route(address_of(*begin), now) &&
+    } else if (routes_.has_route(locator_of(*begin).address, now) &&
                !is_useless(datagram, locator_of(*begin), now)) {
       routed.push_back(*begin);
       locators.push_back(locator_of(*begin));
@@ -184,18 +186,35 @@ bool Transport::send(rtps::SenderResource* socket,
                      rtps::LocatorsIterator* end,
                      const std::chrono::steady_clock::time_point& timeout) {
   const RtpsBytes datagram = without_statistics({buffer, size});
-  const auto bytes = static_cast<std::uint32_t>(datagram.size());
   const Clock::time_point now = Clock::now();
   rtps::SenderResource* none = nullptr;  // yet; they are called in their order
   if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
   own_.sent(datagram);
   if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
+  if (!discovery_.limits(datagram)) return pass_on(socket, datagram, destinations, timeout);
+  for (const rtps::Locator_t& to : destinations) {
+    if (!sends(socket, to)) continue;
+    const auto send = [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
+      fdr::LocatorList destination;
+      destination.push_back(to);
+      pass_on(socket, copy, destination, Clock::now() + std::chrono::milliseconds(100));
+    };
+    discovery_.send_later(datagram, socket, locator_of(to), send, *delay_line_);
+  }
+  return true;
+}
+
+bool Transport::pass_on(rtps::SenderResource* socket,
+                        RtpsBytes datagram,
+                        const fdr::LocatorList& destinations,
+                        Clock::time_point timeout) {
+  const auto bytes = static_cast<std::uint32_t>(datagram.size());
   if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    for (const Clock::time_point due : link_->emulated->outgoing_at(bytes, now)) {
+    for (const Clock::time_point due : link_->emulated->outgoing_at(bytes, Clock::now())) {
       send_later(socket, datagram, to, due);
     }
   }
@@ -258,8 +277,9 @@ void Transport::deliver(fdr::TransportReceiverInterface& receiver,
   const auto recounted = link_->servers.observe(datagram, now);
   link_->silent_servers.heard(sender_of(datagram), now);
   link_->answered_heartbeats.observe(datagram);
-  link_->addresses.heard(sender_of(datagram), address_of(remote), now);
+  link_->addresses.heard(sender_of(datagram), locator_of(remote).address, now);
   link_->traffic.received(size);
+  if (link_->role == ChannelRole::kRobot && announces_robot(datagram)) return;
   receiver.OnDataReceived(recounted ? recounted->data() : datagram.data(), size, local, remote);
 }
 
@@ -268,10 +288,6 @@ fdr::TransportInterface* Descriptor::create_transport() const {
 }
 
 }  // namespace
-
-PeerAddressFilter::Locator locator_of(const rtps::Locator_t& locator) {
-  return {.address = address_of(locator), .port = locator.port};
-}
 
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
                                                     std::shared_ptr<WireLink> link) {

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include <fastdds/rtps/common/Locator.h>
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
 #include "shared/transport/wire_link.hpp"
@@ -16,8 +15,5 @@ using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterfac
 /// datagram passes". Nothing if it is not UDP.
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
                                                     std::shared_ptr<WireLink> link);
-
-/// Address and port, as the workarounds compare them; the first byte of the address is the highest.
-PeerAddressFilter::Locator locator_of(const eprosima::fastrtps::rtps::Locator_t& locator);
 
 }  // namespace fleetloc

@@ -3,16 +3,24 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "shared/transport/emulated_link.hpp"
 #include "shared/transport/topics.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
 
-/// What a participant tells of itself in its user data: "fleetloc/1".
+/// What a participant tells of itself in its user data: "fleetloc/1", a robot "fleetloc/1/robot".
 std::string wire_version_text(int version = kWireVersion);
+std::string wire_version_text(ChannelRole role);
+
+/// Whether a robot announces itself with this datagram. Other robots have nothing to do with it,
+/// and the endpoints of each would cost all of them some KB.
+/// @param datagram  well-formed RTPS
+bool announces_robot(RtpsBytes datagram);
 
 /// Notices programs of fleetloc that speak another version of the wire: they share no topic with
 /// this one, so neither would ever know why it is alone. Reads the announcements of participants,
@@ -31,7 +39,7 @@ class WireVersionWatch {
  private:
   using Program = std::pair<std::string, int>;  // name of the participant, version
 
-  void announced(RtpsBytes parameters, bool is_little_endian);
+  void observe(std::string_view name, std::string_view user_data);
 
   int own_;
   std::mutex mutex_;

@@ -34,6 +34,7 @@ Bytes encode(const LocalizerStatus& status) {
   sample.sessions(static_cast<std::uint32_t>(status.sessions));  // a negative one is out of range
   sample.load(static_cast<float>(status.load));
   sample.accepting(status.accepting);
+  sample.draining(status.draining);
   expect_encodable(check_sample(sample), "localizer status");
   return to_cdr(sample);
 }
@@ -62,7 +63,8 @@ Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> b
                          .map_hash = sample.map_hash(),
                          .sessions = static_cast<int>(sample.sessions()),
                          .load = static_cast<double>(sample.load()),
-                         .accepting = sample.accepting()};
+                         .accepting = sample.accepting(),
+                         .draining = sample.draining()};
 }
 
 Decoded<RobotStatus> decode_robot_status(std::span<const std::uint8_t> bytes) {

@@ -208,7 +208,7 @@ void DockerFleet::plug_in(const std::string& site, const std::string& name, int 
 }
 
 int DockerFleet::stop(const std::string& name) const {
-  docker({"stop", "--time", "10", full(name)});
+  docker({"stop", "--time", "20", full(name)});
   return wait(name);
 }
 

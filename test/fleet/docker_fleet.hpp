@@ -46,7 +46,7 @@ class DockerFleet {
   /// @param address  the last part of it, in the site's network
   void plug_in(const std::string& site, const std::string& name, int address) const;
 
-  /// SIGTERM, then SIGKILL after 10 s; the exit code.
+  /// SIGTERM, then SIGKILL after 20 s; the exit code.
   int stop(const std::string& name) const;
   /// Waits for its end; the exit code.
   int wait(const std::string& name) const;

@@ -55,6 +55,14 @@ class CloudClientTest : public testing::Test {
              at(ms));
   }
 
+  static void drain(Channel& end, const std::string& name, int ms) {
+    end.send("",
+             {Topic::kLocalizerStatus,
+              encode(LocalizerStatus{
+                  .localizer = name, .incarnation = Incarnation{1}, .draining = true})},
+             at(ms));
+  }
+
   static LocalizationResult answer(const std::string& localizer, std::uint32_t keyframe) {
     LocalizationResult answer;
     answer.robot = "robot";

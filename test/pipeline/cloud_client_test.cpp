@@ -69,20 +69,6 @@ TEST_F(CloudClientTest, AnnouncesItsSessionToItsLocalizerAndOnceToThoseThatItMay
   EXPECT_EQ(told, std::vector<std::string>{"idle"});
 }
 
-TEST_F(CloudClientTest, TellsTheLocalizerThatItLeavesWhereItGoes) {
-  announce(*idle_, "idle", 0.1, 0);
-  client_.start_session(some_session(), at(1));
-  static_cast<void>(client_.take_answers(at(10)));
-  static_cast<void>(idle_->receive(at(10)));
-  announce(*idle_, "idle", 0.1, 20, false);
-  announce(*busy_, "busy", 0.9, 20);
-  static_cast<void>(client_.take_answers(at(30)));
-  ASSERT_EQ(client_.statistics().localizer, "busy");
-  const auto last_words = idle_->receive(at(40));
-  ASSERT_EQ(count(last_words, Topic::kSession), 1);
-  EXPECT_EQ(decode_robot_session(last_words.front().payload).value().localizer, "busy");
-}
-
 TEST_F(CloudClientTest, GivesARepeatedAnswerOnce) {
   announce(*idle_, "idle", 0.1, 0);
   client_.start_session(some_session(), at(1));
@@ -196,11 +182,14 @@ TEST_F(CloudClientTest, IsNeitherSilencedNorMadePatientByAClockThatIsSet) {
       static_cast<void>(client_.take_answers(at(clock)));
       samples += count(idle_->receive(at(3'000'000)), Topic::kCompactSubmap);
       if (i == 5) {
-        idle_->send("robot", {Topic::kLocalization, encode(answer("idle", keyframe))}, at(clock));
+        LocalizationResult acknowledging = answer("idle", keyframe);
+        acknowledging.acknowledgements = {.base = SampleNumber(samples - 1), .bitmap = 1};
+        idle_->send("robot", {Topic::kLocalization, encode(acknowledging)}, at(clock));
       }
     }
   }
   EXPECT_GT(samples, 50);
+  ASSERT_TRUE(client_.statistics().round_trip);
   EXPECT_LT(to_seconds(*client_.statistics().round_trip), 2.0);
 }
 

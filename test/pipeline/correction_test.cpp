@@ -101,7 +101,7 @@ TEST(Corrections, ReachTheRobotOverTheNetworkAndAreTakenOnce) {
       EXPECT_EQ(answer.status, LocalizationStatus::kLocalized);
       EXPECT_EQ(correction->anchor, answer.keyframe);
       EXPECT_FALSE(correction->landmarks.empty());
-      const Pose& T_map_anchor = robot.truth(static_cast<int>(correction->anchor));
+      const Pose& T_map_anchor = robot.truth(correction->anchor);
       for (const auto& landmark : correction->landmarks) {
         const Eigen::Vector3d truth = inverse(T_map_anchor) * robot.run().landmark(landmark.id);
         const Eigen::Vector3d error = landmark.p_anchor - truth;

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,8 +36,12 @@ class SeverableChannel final : public Channel {
 /// A robot in simulated time, and localizers that start, stop and hang.
 class InterruptibleSystem {
  public:
-  InterruptibleSystem(const SimulatedRun& run, const Pose& T_map_body_start)
-      : robot_end_(network_.join_robot("robot")), robot_(run, robot_end_, T_map_body_start) {}
+  InterruptibleSystem(const SimulatedRun& run,
+                      const Pose& T_map_body_start,
+                      const LinkConfig& link = perfect_link())
+      : network_(link),
+        robot_end_(network_.join_robot("robot")),
+        robot_(run, robot_end_, T_map_body_start) {}
 
   /// @param config  YAML that differs from the defaults
   void start(const std::string& name,
@@ -45,7 +50,7 @@ class InterruptibleSystem {
              const std::string& config = "{}") {
     ConfigReader reader = defaults();
     reader.overlay(ConfigReader::from_string(config));
-    stop(name);
+    kill(name);
     Localizer& localizer = localizers_[name];
     localizer.incarnation = Incarnation{incarnation};
     localizer.map = map;
@@ -58,7 +63,10 @@ class InterruptibleSystem {
         nullptr);
   }
   /// As kill -9.
-  void stop(const std::string& name) { localizers_.erase(name); }
+  void kill(const std::string& name) { localizers_.erase(name); }
+  /// As SIGTERM: it ends once its robot has left.
+  void stop(const std::string& name) { localizers_.at(name).is_told_to_stop = true; }
+  [[nodiscard]] bool runs(const std::string& name) const { return localizers_.contains(name); }
   /// From now on it sends its status, but no answers.
   void hang(const std::string& name) { localizers_.at(name).hangs = true; }
   void cut(bool is_cut) { robot_end_.is_cut = is_cut; }
@@ -67,6 +75,7 @@ class InterruptibleSystem {
   void play(double seconds) {
     robot_.play(seconds, [this](Timestamp now) {
       for (auto& [name, localizer] : localizers_) advance(name, localizer, now);
+      std::erase_if(localizers_, [now](const auto& item) { return is_over(item.second, now); });
     });
   }
 
@@ -82,10 +91,22 @@ class InterruptibleSystem {
     std::unique_ptr<Channel> end;
     std::unique_ptr<SimulatedCloud> cloud;
     bool hangs = false;
+    bool is_told_to_stop = false;
+    std::optional<Timestamp> draining_since;
     Timestamp next_status;
   };
 
+  static bool is_over(const Localizer& localizer, Timestamp now) {
+    constexpr std::chrono::milliseconds kGoodbye{300};
+    return localizer.draining_since && now - *localizer.draining_since > kGoodbye &&
+           localizer.cloud->is_drained(now);
+  }
+
   static void advance(const std::string& name, Localizer& localizer, Timestamp now) {
+    if (localizer.is_told_to_stop && !localizer.draining_since) {
+      localizer.cloud->drain(now);
+      localizer.draining_since = now;
+    }
     if (!localizer.hangs) return localizer.cloud->advance(now);
     static_cast<void>(localizer.end->receive(now));
     if (now < localizer.next_status) return;
@@ -97,7 +118,7 @@ class InterruptibleSystem {
     localizer.end->send("", {Topic::kLocalizerStatus, encode(status)}, now);
   }
 
-  MemoryNetwork network_{perfect_link()};
+  MemoryNetwork network_;
   SeverableChannel robot_end_;
   std::map<std::string, Localizer> localizers_;
   SimulatedRobot robot_;  // last: it uses its end of the network

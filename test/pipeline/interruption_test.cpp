@@ -101,7 +101,7 @@ TEST_F(Interruption, ALocalizerThatDiesForTenSeconds) {
   system_.start("a", 1, map());
   system_.play(8.0);
   EXPECT_GT(applied_between(0.0, 8.0), 5);
-  system_.stop("a");
+  system_.kill("a");
   system_.play(18.0);
   EXPECT_EQ(applied_between(8.5, 18.0), 0);
   EXPECT_EQ(quality_at(17.9), Quality::kLocalized) << "ten seconds of odometry are within 0.25 m";
@@ -161,7 +161,7 @@ TEST_F(Interruption, NoNetworkForAMinute) {
 TEST_F(Interruption, ACloudThatIsRestartedWithAnotherMap) {
   system_.start("a", 1, map());
   system_.play(8.0);
-  system_.stop("a");
+  system_.kill("a");
   system_.play(9.0);
   system_.start("a", 2, other_map());
   system_.play(18.0);

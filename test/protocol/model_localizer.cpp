@@ -89,7 +89,7 @@ void ModelLocalizer::check_database(const LocalizerPool::Job& job) {
   const SessionDatabase& database = job.session->database();
   expect(database.keyframes().size() <= 40, where + "too many keyframes");
   expect(database.spanning_edges().size() < 40, where + "too many edges");
-  std::string violation = record_.check_origin(database, key);
+  std::string violation = record_.check_origin(database, key, incarnation_);
   for (const Submap& submap : job.submaps) {
     const SessionKey of{submap.robot, submap.session};
     expect(of == key, where + "a sample of another session");

@@ -46,56 +46,6 @@ class ModelRobot::Tap final : public Channel {
   std::unique_ptr<Channel> whole_;
 };
 
-void StreamModel::restart() {
-  *this = {};
-}
-
-void StreamModel::lose_track() {
-  for (const auto& [id, numbers] : numbers_) unsure_.insert(id);
-}
-
-void StreamModel::sent(const Submap& sample) {
-  const auto number = static_cast<std::uint32_t>(sample.number);
-  lost_[number] = false;
-  for (const SubmapKeyframe& keyframe : sample.keyframes) numbers_[keyframe.id].push_back(number);
-}
-
-void StreamModel::acknowledged(const Acknowledgements& acknowledgements) {
-  const auto base = static_cast<std::uint64_t>(acknowledgements.base);
-  std::uint64_t newest = 0;
-  for (std::uint64_t bit = 0; bit < 64; ++bit) {
-    if (((acknowledgements.bitmap >> bit) & 1U) == 0) continue;
-    if (lost_.empty() || base + bit > lost_.rbegin()->first) return;  // was never sent
-    newest = base + bit;
-    const auto sample = lost_.find(static_cast<std::uint32_t>(newest));
-    if (sample != lost_.end()) arrived_.insert(sample->first);
-  }
-  for (auto& [number, is_lost] : lost_) {
-    if (number < newest) is_lost = !arrived_.contains(number);
-  }
-}
-
-bool StreamModel::may_be_missing(KeyframeId keyframe) const {
-  return unsure_.contains(keyframe) || is_missing(keyframe);
-}
-
-bool StreamModel::is_missing(KeyframeId keyframe) const {
-  if (unsure_.contains(keyframe)) return false;
-  const auto sent = numbers_.find(keyframe);
-  return sent == numbers_.end() ||
-         std::ranges::all_of(sent->second, [&](std::uint32_t number) { return lost_.at(number); });
-}
-
-void StreamModel::forget_before(KeyframeId oldest) {
-  std::erase_if(numbers_, [&](const auto& item) { return item.first < oldest; });
-  unsure_.erase(unsure_.begin(), unsure_.lower_bound(oldest));
-  if (numbers_.empty()) return;
-  std::uint32_t first = UINT32_MAX;
-  for (const auto& [id, numbers] : numbers_) first = std::min(first, numbers.front());
-  lost_.erase(lost_.begin(), lost_.lower_bound(first));
-  arrived_.erase(arrived_.begin(), arrived_.lower_bound(first));
-}
-
 ModelRobot::ModelRobot(RobotId id,
                        DisturbedNetwork& network,
                        SentRecord& record,
@@ -133,8 +83,7 @@ void ModelRobot::reset_odometry() {
   }
   keyframes_.clear();
   edges_.clear();
-  stream_.restart();
-  stream_key_ = {};
+  streams_.clear();
   last_sample_.reset();
   last_answer_.reset();
   answered_.reset();
@@ -197,7 +146,7 @@ void ModelRobot::add_keyframe() {
   if (keyframes_.size() > kHorizon) keyframes_.pop_front();
   while (!edges_.empty() && edges_.front().from < keyframes_.front().id) edges_.pop_front();
   if (edges_.size() >= kWindow - 1) edges_[edges_.size() - (kWindow - 1)].is_final = true;
-  stream_.forget_before(keyframes_.front().id);
+  for (auto& [name, stream] : streams_) stream.model.forget_before(keyframes_.front().id);
 }
 
 // Of the newest keyframe a third of the observations is found later.
@@ -223,23 +172,43 @@ void ModelRobot::submit() {
   client_->submit(std::move(window), now);
 }
 
+// The session announces a stream to the localizer that it names, and ends that to any other one.
+void ModelRobot::announced(const std::string& localizer, const RobotSession& session) {
+  if (session.localizer != localizer) {
+    streams_.erase(localizer);
+    return;
+  }
+  const auto known = streams_.find(localizer);
+  if (known != streams_.end() && known->second.incarnation == session.incarnation &&
+      known->second.session == session.session) {
+    return;
+  }
+  streams_[localizer] = {.incarnation = session.incarnation,
+                         .session = session.session,
+                         .model = {},
+                         .idle_since = true_time_};
+}
+
 void ModelRobot::sent(const std::string& localizer, const Message& message) {
   if (message.topic == Topic::kSession) {
-    const RobotSession session = decode_robot_session(message.payload).value();
-    const std::tuple key(session.localizer, session.incarnation, session.session);
-    if (std::exchange(stream_key_, key) != key) stream_.restart();
+    announced(localizer, decode_robot_session(message.payload).value());
   }
   if (message.topic != Topic::kCompactSubmap) return;
-  expect(message.payload.size() <= config_.uplink.max_payload_bytes, "a sample is too large");
+  expect(message.payload.size() <= config_.stream.uplink.max_payload_bytes,
+         "a sample is too large");
   const Submap& sample = record_.add(message.payload, session_.stereo);
-  check_repetition(sample);
-  stream_.sent(sample);
+  const auto stream = streams_.find(localizer);
+  expect(stream != streams_.end() && stream->second.incarnation == sample.incarnation &&
+             stream->second.session == sample.session,
+         id_ + ": a sample of a stream that " + localizer + " was not told of");
+  check_repetition(stream->second.model, sample);
+  stream->second.model.sent(sample);
+  stream->second.idle_since = true_time_;
   const bool is_first = !last_sample_;
   last_sample_ = {localizer, message};
   if (is_first && forges_first_samples && uniform() < 0.2) {
     network_.inject(false, localizer, forged_sample(1'000'000)->second);
   }
-  idle_since_ = true_time_;
 }
 
 void ModelRobot::received(const Message& message) {
@@ -247,10 +216,14 @@ void ModelRobot::received(const Message& message) {
   const auto answer = decode_answer(message.payload);
   if (!answer) return;
   const LocalizationResult& result = answer->result;
-  if (std::tuple(result.localizer, result.incarnation, result.session) != stream_key_) return;
-  if (result.status == LocalizationStatus::kNeedFull) return stream_.lose_track();
+  const auto stream = streams_.find(result.localizer);
+  if (stream == streams_.end() || stream->second.incarnation != result.incarnation ||
+      stream->second.session != result.session) {
+    return;
+  }
+  if (result.status == LocalizationStatus::kNeedFull) return stream->second.model.lose_track();
   last_answer_ = message;
-  stream_.acknowledged(result.acknowledgements);
+  stream->second.model.acknowledged(result.acknowledgements);
 }
 
 void ModelRobot::take_answers() {
@@ -267,28 +240,30 @@ void ModelRobot::take_answers() {
 }
 
 // What is certainly missing goes before what may have arrived.
-void ModelRobot::check_repetition(const Submap& sample) const {
+void ModelRobot::check_repetition(const StreamModel& stream, const Submap& sample) const {
   if (keyframes_.empty() || sample.keyframes.back().id == keyframes_.back().id) return;
   if (std::ranges::any_of(sample.keyframes,
-                          [&](const auto& one) { return stream_.may_be_missing(one.id); })) {
+                          [&](const auto& one) { return stream.may_be_missing(one.id); })) {
     return;
   }
   for (std::size_t age = 1; age < std::min(kHelpful, keyframes_.size()); ++age) {
     const KeyframeId id = keyframes_[keyframes_.size() - 1 - age].id;
-    expect(!stream_.is_missing(id),
+    expect(!stream.is_missing(id),
            id_ + ": a datagram repeats what may be there, and keyframe " +
                std::to_string(static_cast<std::uint32_t>(id)) + " is certainly missing");
   }
 }
 
 void ModelRobot::check_is_not_idle() {
-  bool is_missing = false;
-  for (std::size_t age = 0; age < std::min(kHelpful, keyframes_.size()); ++age) {
-    is_missing |= stream_.is_missing(keyframes_[keyframes_.size() - 1 - age].id);
+  for (auto& [name, stream] : streams_) {
+    bool is_missing = false;
+    for (std::size_t age = 0; age < std::min(kHelpful, keyframes_.size()); ++age) {
+      is_missing |= stream.model.is_missing(keyframes_[keyframes_.size() - 1 - age].id);
+    }
+    if (!is_missing) stream.idle_since = true_time_;
+    expect(to_seconds(true_time_ - stream.idle_since) < kLongestSilenceSeconds,
+           id_ + ": a keyframe is certainly missing, and nothing is sent to " + name);
   }
-  if (client_->statistics().localizer.empty() || !is_missing) idle_since_ = true_time_;
-  expect(to_seconds(true_time_ - idle_since_) < kLongestSilenceSeconds,
-         id_ + ": a keyframe is certainly missing, and nothing is sent");
 }
 
 std::size_t ModelRobot::unanswered() const {

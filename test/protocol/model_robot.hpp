@@ -15,31 +15,9 @@
 #include "robot/cloud_client/cloud_client.hpp"
 #include "test/protocol/disturbed_network.hpp"
 #include "test/protocol/sent_record.hpp"
+#include "test/protocol/stream_model.hpp"
 
 namespace fleetloc {
-
-/// What a robot's end of the protocol has sent of the present stream, as far as acknowledgements
-/// that have reached it tell; kept apart from the code under test.
-class StreamModel {
- public:
-  void restart();
-  void sent(const Submap& sample);
-  void acknowledged(const Acknowledgements& acknowledgements);
-
-  /// Never sent in this stream, or only in samples that are known to be lost.
-  [[nodiscard]] bool is_missing(KeyframeId keyframe) const;
-  /// The same, as far as the robot may think.
-  [[nodiscard]] bool may_be_missing(KeyframeId keyframe) const;
-  void forget_before(KeyframeId oldest);
-  /// The localizer asks for the session. Whether the robot believes it is the robot's business.
-  void lose_track();
-
- private:
-  std::map<std::uint32_t, bool> lost_;  // of samples that are not known to be lost: false
-  std::set<std::uint32_t> arrived_;
-  std::map<KeyframeId, std::vector<std::uint32_t>> numbers_;
-  std::set<KeyframeId> unsure_;
-};
 
 /// A robot whose odometry makes keyframes at random, with its real end of the protocol. It can be
 /// restarted, lose its odometry, and have its clock set. After each step it checks what it sends
@@ -78,13 +56,21 @@ class ModelRobot {
 
  private:
   class Tap;
+  /// To one incarnation of a localizer; beside it there may be that to a successor.
+  struct Stream {
+    Incarnation incarnation{};
+    SessionNumber session{};
+    StreamModel model;
+    Timestamp idle_since{};  // connected, with a keyframe that is missing, and silent
+  };
 
   void add_keyframe();
   void submit();
   void sent(const std::string& localizer, const Message& message);
   void received(const Message& message);
   void take_answers();
-  void check_repetition(const Submap& sample) const;
+  void announced(const std::string& localizer, const RobotSession& session);
+  void check_repetition(const StreamModel& stream, const Submap& sample) const;
   void check_is_not_idle();
   double uniform() { return std::uniform_real_distribution<double>()(random_); }
 
@@ -103,11 +89,9 @@ class ModelRobot {
   std::uint32_t next_keyframe_ = 0;
   Timestamp next_keyframe_at_{};
   Timestamp moving_since_{};
-  StreamModel stream_;
-  std::tuple<std::string, Incarnation, SessionNumber> stream_key_;
+  std::map<std::string, Stream> streams_;  // by localizer
   std::optional<std::pair<std::string, Message>> last_sample_;
   std::optional<Message> last_answer_;
-  Timestamp idle_since_{};  // connected, with a keyframe that is missing, and silent
   std::size_t freed_bytes_ = 0;
   std::optional<KeyframeId> answered_;
   std::set<std::tuple<std::string, Incarnation, KeyframeId, Revision, LocalizationStatus>> answers_;

@@ -57,7 +57,7 @@ class DisturbedFleet {
  public:
   explicit DisturbedFleet(std::uint32_t seed) : random_(seed), network_(seed + 1) {
     CloudClient::Config config = read_cloud_client_config(defaults().section("client"));
-    config.uplink.max_payload_bytes = 420;  // keyframes here have few observations
+    config.stream.uplink.max_payload_bytes = 420;  // keyframes here have few observations
     for (const char* name : {"robot_1", "robot_2"}) {
       robots_.push_back(std::make_unique<ModelRobot>(name, network_, record_, config, random_()));
     }

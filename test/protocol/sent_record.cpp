@@ -9,7 +9,7 @@ namespace fleetloc {
 namespace {
 
 constexpr std::uint32_t kRememberedKeyframes = 150;
-constexpr std::size_t kRememberedSessions = 40;  // of all robots
+constexpr std::size_t kRememberedStreams = 120;  // of all robots
 
 bool is_same(const Pose& a, const Pose& b) {
   return a.R.coeffs() == b.R.coeffs() && a.p == b.p;
@@ -42,41 +42,43 @@ std::string text(KeyframeId id) {
 
 const Submap& SentRecord::add(const Bytes& payload, const RectifiedStereo& stereo) {
   Submap submap = decode_submap(decode_submap_sample(payload).value(), stereo).value();
-  const SessionKey key{submap.robot, submap.session};
-  if (!sessions_.contains(key) && sessions_.size() >= kRememberedSessions) {
-    sessions_.erase(std::ranges::min_element(
-        sessions_, {}, [](const auto& item) { return item.second.last_used; }));
+  const StreamKey key{{submap.robot, submap.session}, submap.incarnation};
+  if (!streams_.contains(key) && streams_.size() >= kRememberedStreams) {
+    streams_.erase(std::ranges::min_element(
+        streams_, {}, [](const auto& item) { return item.second.last_used; }));
   }
-  Session& session = sessions_[key];
-  session.last_used = ++samples_;
+  Stream& stream = streams_[key];
+  stream.last_used = ++samples_;
   const auto number = static_cast<std::uint32_t>(submap.number);
   for (const SubmapKeyframe& keyframe : submap.keyframes) {
-    session.numbers[keyframe.id].push_back(number);
+    stream.numbers[keyframe.id].push_back(number);
   }
-  prune(session);
-  return session.samples[number] = std::move(submap);
+  prune(stream);
+  return stream.samples[number] = std::move(submap);
 }
 
-void SentRecord::prune(Session& session) {
-  const auto newest = static_cast<std::uint32_t>(session.numbers.rbegin()->first);
+void SentRecord::prune(Stream& stream) {
+  const auto newest = static_cast<std::uint32_t>(stream.numbers.rbegin()->first);
   const KeyframeId oldest{newest - std::min(newest, kRememberedKeyframes)};
-  std::erase_if(session.numbers, [&](const auto& item) { return item.first < oldest; });
-  std::erase_if(session.samples,
+  std::erase_if(stream.numbers, [&](const auto& item) { return item.first < oldest; });
+  std::erase_if(stream.samples,
                 [&](const auto& item) { return item.second.keyframes.back().id < oldest; });
 }
 
-std::string SentRecord::check_origin(const SessionDatabase& database, const SessionKey& key) const {
-  const auto known = sessions_.find(key);
-  if (known == sessions_.end()) return "a database of a session that sent nothing";
-  const Session& session = known->second;
+std::string SentRecord::check_origin(const SessionDatabase& database,
+                                     const SessionKey& session,
+                                     Incarnation incarnation) const {
+  const auto known = streams_.find(StreamKey{session, incarnation});
+  if (known == streams_.end()) return "a database of a session that sent nothing";
+  const Stream& stream = known->second;
   for (const auto& [id, keyframe] : database.keyframes()) {
-    if (auto violation = check_keyframe(keyframe.item, session); !violation.empty()) {
+    if (auto violation = check_keyframe(keyframe.item, stream); !violation.empty()) {
       return "keyframe " + text(id) + " " + violation;
     }
   }
   for (const VirtualEdge* edge : database.spanning_edges()) {
-    const auto sample = session.samples.find(number_of(edge->revision));
-    const bool is_known = sample != session.samples.end() &&
+    const auto sample = stream.samples.find(number_of(edge->revision));
+    const bool is_known = sample != stream.samples.end() &&
                           std::ranges::any_of(sample->second.edges, [&](const VirtualEdge& sent) {
                             return sent.from == edge->from && sent.to == edge->to &&
                                    is_same(sent.T_from_to, edge->T_from_to) &&
@@ -87,9 +89,9 @@ std::string SentRecord::check_origin(const SessionDatabase& database, const Sess
   return {};
 }
 
-std::string SentRecord::check_keyframe(const SubmapKeyframe& stored, const Session& session) const {
-  const auto newest = session.samples.find(number_of(stored.revision));
-  if (newest == session.samples.end()) return "is of a sample that was never sent";
+std::string SentRecord::check_keyframe(const SubmapKeyframe& stored, const Stream& stream) const {
+  const auto newest = stream.samples.find(number_of(stored.revision));
+  if (newest == stream.samples.end()) return "is of a sample that was never sent";
   const SubmapKeyframe* sent = find(newest->second, stored.id);
   if (sent == nullptr) return "was not in that sample";
   if (sent->stamp != stored.stamp || sent->tilt_sigma != stored.tilt_sigma ||
@@ -104,11 +106,11 @@ std::string SentRecord::check_keyframe(const SubmapKeyframe& stored, const Sessi
                                  &StereoObservation::landmark) != stored.observations.end()) {
     return "has an observation twice";
   }
-  const auto& numbers = session.numbers.at(stored.id);
+  const auto& numbers = stream.numbers.at(stored.id);
   for (const StereoObservation& one : stored.observations) {
     const bool is_known = std::ranges::any_of(numbers, [&](std::uint32_t number) {
       const StereoObservation* candidate =
-          find(*find(session.samples.at(number), stored.id), one.landmark);
+          find(*find(stream.samples.at(number), stored.id), one.landmark);
       return candidate != nullptr && is_same(*candidate, one);
     });
     if (!is_known) return "has an observation that was never sent";
@@ -119,7 +121,8 @@ std::string SentRecord::check_keyframe(const SubmapKeyframe& stored, const Sessi
 std::string SentRecord::check_stored(const SessionDatabase& database, const Submap& sample) const {
   const auto& keyframes = database.keyframes();
   const KeyframeId horizon = keyframes.begin()->first;
-  const Session& session = sessions_.at({sample.robot, sample.session});
+  const Stream& stream =
+      streams_.at({SessionKey{sample.robot, sample.session}, sample.incarnation});
   for (const SubmapKeyframe& sent : sample.keyframes) {
     if (sent.id < horizon) continue;
     const auto stored = keyframes.find(sent.id);
@@ -127,10 +130,10 @@ std::string SentRecord::check_stored(const SessionDatabase& database, const Subm
     for (const StereoObservation& one : sent.observations) {
       const StereoObservation* found = find(stored->second.item, one.landmark);
       if (found != nullptr && is_same(*found, one)) continue;
-      const auto& numbers = session.numbers.at(sent.id);
+      const auto& numbers = stream.numbers.at(sent.id);
       const bool is_replaced = std::ranges::any_of(numbers, [&](std::uint32_t number) {
         return number > static_cast<std::uint32_t>(sample.number) &&
-               find(session.samples.at(number), sent.id)->subset.has(one.landmark, sent.id);
+               find(stream.samples.at(number), sent.id)->subset.has(one.landmark, sent.id);
       });
       if (!is_replaced) return "keyframe " + text(sent.id) + " lacks an observation";
     }

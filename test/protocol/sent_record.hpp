@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloud/localizer/session_database.hpp"
@@ -26,27 +27,31 @@ class SentRecord {
   /// A sample of the compact encoding; returned as decoded.
   const Submap& add(const Bytes& payload, const RectifiedStereo& stereo);
 
-  /// Whether each keyframe, observation and edge is bit by bit what this session has sent, and is
-  /// there once.
+  /// Whether each keyframe, observation and edge is bit by bit what this session has sent to this
+  /// incarnation of a localizer, and is there once.
   [[nodiscard]] std::string check_origin(const SessionDatabase& database,
-                                         const SessionKey& session) const;
+                                         const SessionKey& session,
+                                         Incarnation incarnation) const;
 
   /// Whether all of a sample is there that nothing newer replaces: what was acknowledged.
   [[nodiscard]] std::string check_stored(const SessionDatabase& database,
                                          const Submap& sample) const;
 
  private:
-  struct Session {
+  /// Two localizers may get samples of one session beside each other, with the same numbers. In
+  /// the model no two of them have the same incarnation.
+  using StreamKey = std::pair<SessionKey, Incarnation>;
+  struct Stream {
     std::map<std::uint32_t, Submap> samples;  // by number
     std::map<KeyframeId, std::vector<std::uint32_t>> numbers;
     std::uint64_t last_used = 0;
   };
 
   [[nodiscard]] std::string check_keyframe(const SubmapKeyframe& stored,
-                                           const Session& session) const;
-  void prune(Session& session);
+                                           const Stream& stream) const;
+  void prune(Stream& stream);
 
-  std::map<SessionKey, Session> sessions_;
+  std::map<StreamKey, Stream> streams_;
   std::uint64_t samples_ = 0;
 };
 

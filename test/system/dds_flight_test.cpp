@@ -76,7 +76,7 @@ TEST_P(DdsFlightThrough, IsLocalizedInTheLaserMapInRealTime) {
       run(FLEETLOC_MONITOR, {"--run", run_folder_, "--localizer", folder_of(kLocalizer), "--once"});
   EXPECT_THAT(view.output,
               HasSubstr("\nrobot_1  " + std::string(GetParam().duration_s) + " s  ended  "));
-  EXPECT_THAT(view.output, HasSubstr("\nlocalizer_1  1       "));  // robots
+  EXPECT_THAT(view.output, HasSubstr("\nlocalizer_1  accepting  1       "));  // robots
 }
 
 INSTANTIATE_TEST_SUITE_P(Simulated,

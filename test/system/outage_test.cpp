@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -32,6 +34,33 @@ class DdsOutage : public DdsFixture {
   void SetUp() override {
     if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
     DdsFixture::SetUp();
+  }
+
+  /// The longest time between applied answers of the run so far, from `begin` on, and the time
+  /// since the last one [s].
+  [[nodiscard]] double longest_without_answer(const std::string& id, Timestamp begin) const {
+    const auto run = folder_of(id);
+    double longest_s = 0.0;
+    Timestamp before = begin;
+    for (const AnswerLine& answer : answers_of(run)) {
+      if (!answer.applied || answer.arrival <= begin) continue;
+      longest_s = std::max(longest_s, to_seconds(answer.arrival - before));
+      before = answer.arrival;
+    }
+    return std::max(longest_s, to_seconds(frames_of(run).back().stamp - before));
+  }
+
+  /// Ends a localizer by SIGTERM and starts it again.
+  /// @return the time that it took to end [s]
+  double restart(const std::string& name, std::unique_ptr<ChildProgram>& localizer) {
+    const auto begin = std::chrono::steady_clock::now();
+    localizer->signal(SIGTERM);
+    const Outcome outcome = localizer->wait();
+    const double took_s = to_seconds(std::chrono::steady_clock::now() - begin);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    EXPECT_TRUE(std::filesystem::exists(folder_of(name) / "sessions.json")) << name;
+    localizer = std::make_unique<ChildProgram>(FLEETLOC_CLOUD, cloud(name));
+    return took_s;
   }
 
   /// Poses for every frame from the first on, and never one that is wrong and sure of it.
@@ -84,6 +113,61 @@ TEST_F(DdsOutage, IsLocalizedAgainSoonAfterAKilledLocalizerIsBack) {
   expect_honest_poses_throughout(id);
 }
 
+TEST_F(DdsOutage, ARollingRestartOfTwoLocalizersTakesNoAnswersAway) {
+  const std::string id = "robot_1";
+  std::map<std::string, std::unique_ptr<ChildProgram>> localizers;
+  for (const char* name : {"localizer_1", "localizer_2"}) {
+    localizers[name] = std::make_unique<ChildProgram>(FLEETLOC_CLOUD, cloud(name));
+  }
+  ChildProgram robot_1(FLEETLOC_ROBOT, robot(id, {"--rate", "1", "--duration", "42"}));
+  const auto run = folder_of(id);
+  Timestamp now = wait_for_data(run, seconds(16));
+  const Timestamp begin = now - seconds(4);
+  int data_s = 16;
+  std::set<std::string> restarted;
+  while (restarted.size() < localizers.size()) {  // the one that serves the robot first
+    std::string name = answers_of(run).back().localizer;
+    if (restarted.contains(name)) {
+      name = name == "localizer_1" ? "localizer_2" : "localizer_1";
+    }
+    const double took_s = restart(name, localizers.at(name));
+    std::cout << name << " ended " << took_s << " s after SIGTERM\n";
+    EXPECT_THAT(took_s, Le(4.0)) << "its robot had left";
+    restarted.insert(name);
+    now = wait_for_data(run, seconds(data_s += 9));
+  }
+  const Outcome outcome = robot_1.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  std::cout << outcome.output;
+  std::set<std::string> served;
+  for (const AnswerLine& answer : answers_of(run)) {
+    if (answer.arrival > begin) served.insert(answer.localizer);
+  }
+  EXPECT_EQ(served.size(), 2) << "nothing was tried";
+  const double longest_s = longest_without_answer(id, begin);
+  std::cout << "without an answer for " << longest_s << " s at most\n";
+  EXPECT_THAT(longest_s, Le(1.5));
+  expect_honest_poses_throughout(id);
+}
+
+TEST_F(DdsOutage, ARobotStaysWithADrainingLocalizerThatIsAloneUntilASecondSignalEndsIt) {
+  const std::string id = "robot_1";
+  ChildProgram localizer(FLEETLOC_CLOUD, cloud("localizer_1"));
+  ChildProgram robot_1(FLEETLOC_ROBOT, robot(id, {"--rate", "1", "--duration", "30"}));
+  const auto run = folder_of(id);
+  const Timestamp stopped = wait_for_data(run, seconds(14));
+  localizer.signal(SIGTERM);
+  wait_for_data(run, seconds(18));
+  EXPECT_THAT(longest_without_answer(id, stopped), Le(1.5)) << "it still answers";
+  const auto begin = std::chrono::steady_clock::now();
+  localizer.signal(SIGTERM);
+  EXPECT_EQ(localizer.wait().exit_code, 0);
+  EXPECT_THAT(to_seconds(std::chrono::steady_clock::now() - begin), Le(2.0));
+  EXPECT_TRUE(std::filesystem::exists(folder_of("localizer_1") / "sessions.json"));
+  robot_1.signal(SIGTERM);
+  EXPECT_EQ(robot_1.wait().exit_code, 0);
+}
+
 TEST_F(DdsOutage, FourRobotsAreLocalizedAtTheEndThoughOneOfTwoLocalizersWasKilled) {
   const std::vector<std::string> starts{"0", "3", "6", "9"};
   auto first = std::make_unique<ChildProgram>(FLEETLOC_CLOUD, cloud("localizer_1"));
@@ -95,6 +179,10 @@ TEST_F(DdsOutage, FourRobotsAreLocalizedAtTheEndThoughOneOfTwoLocalizersWasKille
         FLEETLOC_ROBOT, robot("robot_" + start, {"--rate", "1", "--duration", "34"}, start)));
   }
   for (const std::string& start : starts) wait_for_data(folder_of("robot_" + start), seconds(16));
+  std::map<std::string, Timestamp> killed;
+  for (const std::string& start : starts) {
+    killed["robot_" + start] = frames_of(folder_of("robot_" + start)).back().stamp;
+  }
   first->signal(SIGKILL);
   first->wait();
 
@@ -106,7 +194,12 @@ TEST_F(DdsOutage, FourRobotsAreLocalizedAtTheEndThoughOneOfTwoLocalizersWasKille
     std::cout << outcome.output;
     const auto answers = answers_of(folder_of(id));
     ASSERT_FALSE(answers.empty()) << id;
-    served_before.insert(answers.front().localizer);
+    const auto last_before = std::ranges::find_if(
+        answers, [&](const AnswerLine& answer) { return answer.arrival > killed.at(id); });
+    served_before.insert(std::prev(last_before)->localizer);
+    const double longest_s = longest_without_answer(id, killed.at(id));
+    std::cout << id << ": without an answer for " << longest_s << " s at most\n";
+    EXPECT_THAT(longest_s, Le(4.0)) << id;
     EXPECT_EQ(answers.back().localizer, "localizer_2") << id;
     EXPECT_EQ(frames_of(folder_of(id)).back().state, "localized") << id;
     expect_honest_poses_throughout(id);

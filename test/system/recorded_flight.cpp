@@ -16,6 +16,18 @@ namespace {
 const Eigen::Vector3d kDisplacement{0.2, 0.2, 0.1};      // 0.3 m long
 constexpr double kYaw = 3.0 * std::numbers::pi / 180.0;  // [rad]
 
+std::string displaced(const RecordedFlight& flight,
+                      double start_s,
+                      const Eigen::Vector3d& by_m,
+                      double yaw_rad) {
+  constexpr std::chrono::milliseconds kMaxGap{100};
+  const auto T_map_body = interpolate(
+      read_trajectory(flight.ground_truth), first_frame(flight.folder, start_s), kMaxGap);
+  if (!T_map_body) throw std::runtime_error("no ground truth at the first frame");
+  const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, yaw_rad});
+  return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + by_m});
+}
+
 }  // namespace
 
 Outcome must_run(const std::string& program, const std::vector<std::string>& arguments) {
@@ -44,12 +56,11 @@ Timestamp first_frame(const std::filesystem::path& dataset, double start_s) {
 }
 
 std::string RecordedFlight::displaced_start_pose(double start_s) const {
-  constexpr std::chrono::milliseconds kMaxGap{100};
-  const auto T_map_body =
-      interpolate(read_trajectory(ground_truth), first_frame(folder, start_s), kMaxGap);
-  if (!T_map_body) throw std::runtime_error("no ground truth at the first frame");
-  const Eigen::Quaterniond yaw = exp_so3({0.0, 0.0, kYaw});
-  return pose_text({.R = yaw * T_map_body->R, .p = T_map_body->p + kDisplacement});
+  return displaced(*this, start_s, kDisplacement, kYaw);
+}
+
+std::string RecordedFlight::start_pose_to_the_right() const {
+  return displaced(*this, 0.0, {kDisplacement.x(), -kDisplacement.y(), kDisplacement.z()}, -kYaw);
 }
 
 RecordedFlight machine_hall() {

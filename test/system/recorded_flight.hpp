@@ -34,6 +34,8 @@ struct RecordedFlight {
   /// For --initial-pose: the ground truth at the first frame from `start_s` on, displaced in the
   /// map by 0.3 m and 3 degrees of yaw.
   [[nodiscard]] std::string displaced_start_pose(double start_s = 0.0) const;
+  /// The same at the very first frame, to the other side and turned the other way.
+  [[nodiscard]] std::string start_pose_to_the_right() const;
 };
 
 /// The stamp of the first frame from `start_s` on, an image or its tracks. Throws

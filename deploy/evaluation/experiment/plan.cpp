@@ -60,11 +60,14 @@ DdsOptions read_dds(ConfigReader section, const std::filesystem::path& base) {
   return dds;
 }
 
-/// Only a replay has the control that is aligned once, and the baseline.
+/// Only a replay has the control that is aligned once, and the baseline; only DDS has profiles.
 void expect_playable(const Plan& plan, ConfigReader reader) {
-  if (plan.mode != Mode::kDds) return;
   ConfigReader configurations = reader.section("configurations");
   for (const ConfigurationSpec& spec : plan.configurations) {
+    if (plan.mode == Mode::kReplay) {
+      if (!spec.qos.empty()) configurations.section(spec.name).fail("qos", "only with mode: dds");
+      continue;
+    }
     if (!spec.align_once && !spec.icp_baseline) continue;
     configurations.section(spec.name).fail(spec.align_once ? "align_once" : "baseline",
                                            "only a replay can");

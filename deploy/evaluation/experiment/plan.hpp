@@ -60,6 +60,7 @@ struct ConfigurationSpec {
   bool align_once = false;
   bool odometry_only = false;
   bool icp_baseline = false;  ///< in place of link and cloud
+  std::filesystem::path qos;  ///< over DDS, in place of the plan's; empty: that one
 };
 
 struct LinkSpec {
@@ -97,6 +98,11 @@ struct Plan {
   std::vector<LinkSpec> links;
   std::vector<std::uint64_t> seeds;
 };
+
+/// Of a run with this configuration over DDS.
+inline const std::filesystem::path& qos_of(const ConfigurationSpec& spec, const DdsOptions& dds) {
+  return spec.qos.empty() ? dds.qos : spec.qos;
+}
 
 /// Throws what is wrong with the values of a configuration, which is complete.
 using ConfigurationCheck = std::function<void(const ConfigReader&)>;

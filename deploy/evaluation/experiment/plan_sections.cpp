@@ -159,6 +159,7 @@ ConfigurationSpec read_configuration_spec(const std::string& name,
   if (section.has("config")) config.overlay(section.section("config"));
   spec.yaml = config.text();
   check(config);
+  if (section.has("qos")) spec.qos = existing_file(section, "qos", base);
   if (section.has("align_once")) spec.align_once = section.get<bool>("align_once");
   if (section.has("odometry_only")) spec.odometry_only = section.get<bool>("odometry_only");
   if (spec.align_once && spec.odometry_only) {

@@ -104,8 +104,10 @@ void play_over_dds(const Run& run,
                    const Place& place,
                    const std::stop_token& stop) {
   const DdsOptions& dds = *context.plan->dds;
-  const Words network{
-      "--qos", dds.qos.string(), "--domain", std::to_string(dds.first_domain + place.slot)};
+  const Words network{"--qos",
+                      qos_of(*run.configuration, dds).string(),
+                      "--domain",
+                      std::to_string(dds.first_domain + place.slot)};
   const fs::path log = place.folder / "cloud_log.txt";
   Words robot = playing_options(run, context, place, stop);
   robot.insert(robot.begin(), {context.programs->path("robot"), "--robot-id", "robot"});

@@ -29,7 +29,7 @@ std::string identity_of(const Run& run,
       .add("configuration", run.configuration->yaml);
   if (dds) {
     fingerprint.add("cloud", programs.fingerprint("cloud"))
-        .add_file("qos", plan.dds->qos)
+        .add_file("qos", qos_of(*run.configuration, *plan.dds))
         .add("rate", exact_text(plan.dds->rate));
   }
   if (run.configuration->odometry_only) return fingerprint.text();  // the rest has no effect

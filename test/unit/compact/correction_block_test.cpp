@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/compact/compact_root.hpp"
 #include "test/unit/wire/samples.hpp"
 
 namespace fleetloc {
@@ -54,6 +55,18 @@ TEST(CorrectionBlock, TellsLittleAcrossTheNormalOfAPlane) {
   const Eigen::Vector3d across = normal.unitOrthogonal();
   EXPECT_LT(across.dot(received * across), 1e4 * 4e-3);
   EXPECT_GT(normal.dot(received * normal), 1e4 * 0.85);
+}
+
+// Which the trained models count on.
+TEST(CompactRoot, HasNoNegativeDiagonal) {
+  for (const Correction::RelativePose& pose : some_correction().relative_poses) {
+    const auto root = CompactRoot<6>::of(pose.information);
+    auto entry = root.entries.begin();
+    for (std::ptrdiff_t row = 0; row < 6; ++row) {
+      EXPECT_GE(*entry, CompactRoot<6>::kZero) << row;
+      entry += 6 - row;
+    }
+  }
 }
 
 TEST(CorrectionBlock, TwentyLandmarksTakeLessThanHalfADatagram) {

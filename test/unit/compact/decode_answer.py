@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Decodes answers of the compact encoding with their corrections, from idl/README.md alone.
 
-Coder, models and turns are those of decode_submap.py. Reads lines of JSON {"sample": hex,
+Turns are those of decode_submap.py. Reads lines of JSON {"sample": hex,
 "answer": ...} and says whether it decodes each sample to the same answer, bit by bit.
 """
 
@@ -10,7 +10,8 @@ import math
 import struct
 import sys
 
-from decode_submap import Bit, Integer, RangeDecoder, integers, normalized, turn, with_numbers
+from compact_coder import Models, RangeDecoder
+from decode_submap import Turns, normalized, with_numbers
 
 LOCALIZED = 0
 EIGHTHS = [
@@ -47,9 +48,10 @@ def squared(size, scales, levels, unit):
 class Root:
     """Models of roots; each group of three columns has its scale and its own models."""
 
-    def __init__(self, groups):
-        self.groups = [integers(3) for _ in range(groups)]
-        self.scales = [0] * groups
+    def __init__(self, models, names):
+        parts = ("scale", "diagonal", "other")
+        self.groups = [[models.integer(f"{name}.{part}") for part in parts] for name in names]
+        self.scales = [0] * len(names)
 
     def decode(self, coder):
         for i, (change, _, _) in enumerate(self.groups):
@@ -62,24 +64,26 @@ class Root:
         return squared(size, self.scales, levels, 4)
 
 
-def decode_poses(coder, anchor):
-    poses, newest_gap, gap, span = integers(4)
-    models = {"far": Bit(), "others": integers(3)}
-    translation, root = Integer(), Root(2)
+def decode_poses(coder, models, anchor):
+    poses, newest_gap = models.integer("poses"), models.integer("newest_gap")
+    gap, span = models.integer("gap"), models.integer("span")
+    turns, translation = Turns(models, 65536.0), models.integer("translation")
+    root = Root(models, ["pose_root.0", "pose_root.1"])
     out, bound = [], anchor
     for i in range(poses.unsigned(coder)):
         to = bound - (gap if i else newest_gap).unsigned(coder)
         one = {"to": to, "from": to - 1 - span.unsigned(coder)}
         bound = to - 1
-        one["rotation"] = normalized(turn(coder, models, 65536.0))
+        one["rotation"] = normalized(turns.decode(coder))
         one["translation"] = [translation.signed(coder) * 0.5e-3 for _ in range(3)]
         one["information"] = root.decode(coder)
         out.insert(0, one)
     return out
 
 
-def decode_landmarks(coder):
-    landmarks, gap, position, root = Integer(), Integer(), integers(3), Root(1)
+def decode_landmarks(coder, models):
+    landmarks, gap = models.integer("landmarks"), models.integer("landmark_gap")
+    position, root = models.integers("position", 3), Root(models, ["landmark_root"])
     out, following = [], 0
     for i in range(landmarks.unsigned(coder)):
         one = {"id": following + (gap.unsigned(coder) if i else coder.raw(32))}
@@ -91,10 +95,13 @@ def decode_landmarks(coder):
 
 
 def decode_corrections(block, anchor):
-    coder = RangeDecoder(block)
-    if coder.raw(4) != 1:
+    coder, models = RangeDecoder(block), Models("correction")
+    if coder.raw(4) != 2:
         raise ValueError("another version")
-    out = {"relative_poses": decode_poses(coder, anchor), "landmarks": decode_landmarks(coder)}
+    out = {
+        "relative_poses": decode_poses(coder, models, anchor),
+        "landmarks": decode_landmarks(coder, models),
+    }
     if coder.raw(8) != 0xA5:
         raise ValueError("garbled")
     return out
@@ -146,6 +153,9 @@ def main():
                 print(f"sample {samples} differs:\n{decoded}\n{vector['answer']}")
                 return 1
             samples += 1
+    if Models.unused("correction"):
+        print("rows of no model:", *Models.unused("correction"))
+        return 1
     print(f"{samples} samples decoded to the same answers")
     return 0 if samples > 0 else 1
 

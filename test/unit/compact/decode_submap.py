@@ -11,88 +11,7 @@ import math
 import struct
 import sys
 
-
-class RangeDecoder:
-    def __init__(self, data):
-        self.data = data
-        self.next = 0
-        self.range = 0xFFFFFFFF
-        self.number = 0
-        for _ in range(4):
-            self.number = (self.number << 8) | self.byte()
-
-    def byte(self):
-        self.next += 1
-        return self.data[self.next - 1] if self.next <= len(self.data) else 0
-
-    def narrow(self, zero):
-        bit = self.number >= zero
-        if bit:
-            self.number -= zero
-            self.range -= zero
-        else:
-            self.range = zero
-        while self.range < 1 << 24:
-            self.number = (self.number << 8) | self.byte()
-            self.range <<= 8
-        return bit
-
-    def bit(self, model):
-        bit = self.narrow((self.range >> 15) * model.probability_of_zero())
-        model.learn(bit)
-        return bit
-
-    def raw(self, count):
-        value = 0
-        for _ in range(count):
-            value = 2 * value + self.narrow(self.range >> 1)
-        return value
-
-
-class Bit:
-    def __init__(self):
-        self.quick = self.slow = 1 << 15
-
-    def probability_of_zero(self):
-        one = (self.quick + self.slow) >> 2
-        return 32768 - min(max(one, 64), 32768 - 64)
-
-    def learn(self, bit):
-        def moved(value, shift):
-            return value + ((65535 - value) >> shift) if bit else value - (value >> shift)
-
-        self.quick = moved(self.quick, 4)
-        self.slow = moved(self.slow, 7)
-
-
-class Integer:
-    def __init__(self):
-        self.longer = [Bit() for _ in range(33)]
-        self.leading = [[Bit() for _ in range(3)] for _ in range(12)]
-        self.negative = Bit()
-
-    def unsigned(self, coder):
-        length = 0
-        while length < 32 and coder.bit(self.longer[length]):
-            length += 1
-        value, left = 1, length
-        if length < 12 and left > 0:
-            first = coder.bit(self.leading[length][0])
-            value, left = 2 * value + first, left - 1
-            if left > 0:
-                value = 2 * value + coder.bit(self.leading[length][2 if first else 1])
-                left -= 1
-        return (value << left | coder.raw(left)) - 1
-
-    def signed(self, coder):
-        size = self.unsigned(coder)
-        if size == 0:
-            return 0
-        return -size if coder.bit(self.negative) else size
-
-
-def integers(count):
-    return [Integer() for _ in range(count)]
+from compact_coder import Models, RangeDecoder
 
 
 # Rotations are w, x, y, z; matrices are rows. The order of the operations is part of the format.
@@ -159,16 +78,22 @@ def sigma_of(code):
     return math.ldexp(16.0 * eighth[(code - 1) % 4], -((code - 1) // 4))
 
 
-def turn(coder, models, units=4096.0):
-    largest = coder.raw(2) if coder.bit(models["far"]) else 0
-    others = [model.signed(coder) for model in models["others"]]
-    q, rest = [0.0] * 4, 1.0
-    for i in range(4):
-        if i != largest:
-            q[i] = others.pop(0) / units
-            rest = rest - q[i] * q[i]
-    q[largest] = math.sqrt(rest)
-    return q
+class Turns:
+    def __init__(self, models, units):
+        self.units = units
+        self.is_far = models.bit("turn.is_far")
+        self.others = models.integers("turn.others", 3)
+
+    def decode(self, coder):
+        largest = coder.raw(2) if coder.bit(self.is_far) else 0
+        others = [model.signed(coder) for model in self.others]
+        q, rest = [0.0] * 4, 1.0
+        for i in range(4):
+            if i != largest:
+                q[i] = others.pop(0) / self.units
+                rest = rest - q[i] * q[i]
+        q[largest] = math.sqrt(rest)
+        return q
 
 
 class Predictor:
@@ -178,6 +103,7 @@ class Predictor:
         self.cu, self.cv = (c * scale for c in stereo["center_px"])
         self.baseline = stereo["baseline_m"]
         self.max_steps = int(2048.0 * scale) - 1
+        self.center = [rounded(c, 0, self.max_steps) for c in (self.cu, self.cv)]
         R, p = matrix(normalized(stereo["rotation"])), stereo["translation"]
         self.cameras = [(compose(A, R), plus(a, apply(A, p))) for A, a in poses]
 
@@ -212,15 +138,19 @@ def remember(track, observation, index, expected):
 
 
 class Observations:
-    def __init__(self, coder, predictor, stride, offset, first):
+    def __init__(self, coder, models, predictor, stride, offset, first):
         self.coder, self.predictor, self.first = coder, predictor, first
         self.stride, self.offset = stride, offset
         self.tracks = {}
-        self.observed = [[Bit() for _ in range(3)] for _ in range(3)]
-        self.u, self.v, self.disparity = integers(3), integers(3), integers(3)
-        self.in_right = [Bit(), Bit()]
-        self.new_landmarks, self.first_landmark, self.gap = integers(3)
-        self.new_u, self.new_v, self.new_disparity = integers(3)
+        self.observed = [models.bits(f"observed.{kind}", 3) for kind in range(3)]
+        self.u, self.v = models.integers("u", 3), models.integers("v", 3)
+        self.disparity = models.integers("disparity", 3)
+        self.in_right = models.bits("in_right", 2)
+        self.new_landmarks = models.integer("new_landmarks")
+        self.first_landmark = models.integer("first_landmark")
+        self.gap = models.integer("landmark_gap")
+        self.new_u, self.new_v = models.integer("new_u"), models.integer("new_v")
+        self.new_disparity = models.integer("new_disparity")
 
     def keyframe(self, index, keyframe_id):
         def is_due(landmark):
@@ -244,7 +174,8 @@ class Observations:
         for i in range(self.new_landmarks.unsigned(self.coder)):
             model = self.gap if i else self.first_landmark
             landmark += model.unsigned(self.coder) * self.stride
-            u, v = self.new_u.unsigned(self.coder), self.new_v.unsigned(self.coder)
+            u = self.predictor.center[0] + self.new_u.signed(self.coder)
+            v = self.predictor.center[1] + self.new_v.signed(self.coder)
             in_right = self.coder.bit(self.in_right[1])
             d = 1 + self.new_disparity.unsigned(self.coder) if in_right else 0
             track = {"seen": 0, "misses": 0}
@@ -269,10 +200,12 @@ class Observations:
         return u, v, d
 
 
-def decode_poses(coder, keyframes):
-    id_gap, interval, change = integers(3)
-    first, later = integers(2), integers(2)
-    models = {"far": Bit(), "others": integers(3)}
+def decode_poses(coder, models, keyframes):
+    id_gap = models.integer("id_gap")
+    interval, change = models.integer("interval"), models.integer("interval_change")
+    first = models.integers("displacement", 2)
+    later = models.integers("displacement_change", 2)
+    turns = Turns(models, 4096.0)
     for i in range(len(keyframes) - 2, -1, -1):
         newer = keyframes[i + 1]
         is_first = i + 2 == len(keyframes)
@@ -290,11 +223,12 @@ def decode_poses(coder, keyframes):
                 expected += (2 * moved * step + before) // (2 * before)
             model = (first if is_first else later)[axis // 2]
             one["position"].append(expected + model.signed(coder))
-        one["q"] = normalized(times(newer["q"], turn(coder, models)))
+        one["q"] = normalized(times(newer["q"], turns.decode(coder)))
 
 
-def decode_tilts(coder, keyframes):
-    has_observations, (first, change), tilt = Bit(), integers(2), 0
+def decode_tilts(coder, models, keyframes):
+    has_observations, tilt = models.bit("has_observations"), 0
+    first, change = models.integer("tilt"), models.integer("tilt_change")
     for one in reversed(keyframes):
         one["observed"] = coder.bit(has_observations)
         if one["observed"]:
@@ -302,15 +236,17 @@ def decode_tilts(coder, keyframes):
             one["tilt"] = tilt
 
 
-def decode_edges(coder, count):
-    follows, edges = Bit(), []
-    others, edge_to, edge_from = integers(3)
-    kinds = [{"sigma": integers(3), "deviation": integers(2)} for _ in range(2)]
+def decode_edges(coder, models, count):
+    follows, edges = models.bit("follows"), []
+    others = models.integer("other_edges")
+    edge_to, edge_from = models.integer("edge_to"), models.integer("edge_from")
+    sigmas = [models.integers(f"sigma.{kind}", 3) for kind in range(2)]
+    deviations = [models.integers(f"deviation.{kind}", 2) for kind in range(2)]
 
     def edge(a, b, kind, sigma):
         for i in range(3):
-            sigma[i] += kinds[kind]["sigma"][i].signed(coder)
-        deviation = [kinds[kind]["deviation"][i // 3].signed(coder) for i in range(6)]
+            sigma[i] += sigmas[kind][i].signed(coder)
+        deviation = [deviations[kind][i // 3].signed(coder) for i in range(6)]
         edges.append((b, a, list(sigma), deviation))
 
     sigma = [0, 0, 0]
@@ -352,24 +288,24 @@ def edge_of(edge, keyframes, poses):
 
 
 def decode_block(block, stereo, newest):
-    coder = RangeDecoder(block)
-    if coder.raw(4) != 1:
+    coder, models = RangeDecoder(block), Models("submap")
+    if coder.raw(4) != 2:
         raise ValueError("another version")
     step_bits, stride = coder.raw(3), 1 + coder.raw(1)
     offset = coder.raw(1) if stride > 1 else 0
-    count = 1 + Integer().unsigned(coder)
+    count = 1 + models.integer("keyframes").unsigned(coder)
     keyframes = [{} for _ in range(count)]
     keyframes[-1].update(id=newest["keyframe"], age=0, position=[0, 0, 0], q=newest["q"])
-    decode_poses(coder, keyframes)
-    decode_tilts(coder, keyframes)
+    decode_poses(coder, models, keyframes)
+    decode_tilts(coder, models, keyframes)
     poses = [(matrix(k["q"]), [c * 1e-3 for c in k["position"]]) for k in keyframes]
     first = coder.raw(32)
     predictor = Predictor(stereo, step_bits, poses)
-    observations = Observations(coder, predictor, stride, offset, first)
+    observations = Observations(coder, models, predictor, stride, offset, first)
     for i, one in enumerate(keyframes):
         if one["observed"]:
             one["observations"] = observations.keyframe(i, one["id"])
-    edges = decode_edges(coder, count)
+    edges = decode_edges(coder, models, count)
     if coder.raw(8) != 0xA5:
         raise ValueError("garbled")
     return keyframes, poses, edges, step_bits
@@ -446,6 +382,9 @@ def main():
                 print(f"sample {samples} differs:\n{decoded}\n{vector['submap']}")
                 return 1
             samples += 1
+    if Models.unused("submap"):
+        print("rows of no model:", *Models.unused("submap"))
+        return 1
     print(f"{samples} samples decoded to the same submaps")
     return 0 if samples > 0 else 1
 

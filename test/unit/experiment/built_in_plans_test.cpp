@@ -28,7 +28,7 @@ TEST(BuiltInLinks, CanAllBeRead) {
     EXPECT_NO_THROW(read_link_file(entry.path()));
     ++count;
   }
-  EXPECT_EQ(count, 7U);
+  EXPECT_EQ(count, 8U);
 }
 
 TEST(BuiltInPlans, DriveTheRingBothWays) {

@@ -145,6 +145,13 @@ TEST_F(PlanFile, NeedsToKnowTheNetworkOfRunsOverDds) {
               ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
   EXPECT_THAT([&] { read_text(with(dds, "default: {}", "default: {baseline: icp}")); },
               ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
+
+  EXPECT_EQ(qos_of(plan.configurations.front(), *plan.dds), test_folder() / "lan.xml");
+  write("wifi.xml", "profiles");
+  const Plan other = read_text(with(dds, "default: {}", "default: {qos: wifi.xml}"));
+  EXPECT_EQ(qos_of(other.configurations.front(), *other.dds), test_folder() / "wifi.xml");
+  EXPECT_THAT([&] { read_text(with(small_plan(), "default: {}", "default: {qos: wifi.xml}")); },
+              ThrowsMessage<ConfigError>(HasSubstr("only with mode: dds")));
 }
 
 TEST_F(PlanFile, KnowsOneBaseline) {

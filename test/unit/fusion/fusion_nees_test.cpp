@@ -3,6 +3,7 @@
 #include <iostream>
 #include <random>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "test/unit/fusion/fed_fusion.hpp"
@@ -201,6 +202,42 @@ TEST(FusionNees, IsNotTooLargeWhenAnswersOfAGrowingWindowGetBetter) {
   std::cout << "NEES per degree of freedom, growing window: " << nees << "\n";
   EXPECT_GT(nees, 0.5);
   EXPECT_LT(nees, 1.3);
+}
+
+// A direction that the map hardly constrains: loose by half a metre along the map's x, with a turn
+// for each metre; 1 cm and 2 mrad otherwise.
+LocalizationResult loose_answer(double t, const Pose& T_map_body, double turn_rad_per_m) {
+  Matrix6d covariance_map = Matrix6d::Zero();
+  covariance_map.diagonal().head<3>().setConstant(0.002 * 0.002);
+  covariance_map.diagonal().tail<3>().setConstant(0.01 * 0.01);
+  Vector6d loose = Vector6d::Zero();
+  loose(2) = 0.5 * turn_rad_per_m;
+  loose(3) = 0.5;
+  covariance_map += loose * loose.transpose();
+  const Matrix6d A = adjoint({T_map_body.R.conjugate(), Eigen::Vector3d::Zero()});
+  LocalizationResult result = answer(t, T_map_body);
+  result.oldest_stamp = Timestamp{};
+  result.covariance = A * covariance_map * A.transpose();
+  return result;
+}
+
+// The second answer has seen what the first has, and more: the two together know no more than it.
+// Taken as two lines, they would cross within centimetres.
+TEST(FusionNees, IsNoBetterThanTheLastAnswerOfAGrowingWindow) {
+  FedFusion fed;
+  fed.drive_to(2.5);
+  const auto fuse = [&](double t, double turn_rad_per_m) {
+    const LocalizationResult said =
+        loose_answer(t, true_T_map_odom() * fed.drive.pose(t), turn_rad_per_m);
+    EXPECT_EQ(name(fed.fusion.add_answer(said)), "applied");
+    return said;
+  };
+  fuse(1.0, 0.03);
+  const LocalizationResult last = fuse(2.0, -0.04);
+  const Matrix6d found = fed.fusion.estimate_at(at(2.0))->covariance_map;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(found, last.covariance);
+  std::cout << "variances by those of the answer: " << ratio.eigenvalues().transpose() << '\n';
+  EXPECT_GT(ratio.eigenvalues()(0), 0.7);
 }
 
 }  // namespace

@@ -126,14 +126,16 @@ class Batch {
     const Matrix6d A = body_to_map_axes(answer.T_map_body);
     return A * answer.covariance * A.transpose();
   }
-  // What both answers share has the smaller of their covariances.
+  // What both answers share has the smaller of their covariances, both at the later place.
   static Matrix6d error_transition(const LocalizationResult& from, const LocalizationResult& to) {
-    const Matrix6d before = covariance_map(from);
+    const Pose lever{Eigen::Quaterniond::Identity(), from.T_map_body.p - to.T_map_body.p};
+    const Matrix6d carry = adjoint(lever);
+    const Matrix6d before = carry * covariance_map(from) * carry.transpose();
     const Matrix6d after = covariance_map(to);
     const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(after, before);
     const Matrix6d W = eigen.eigenvectors().inverse();
     const Matrix6d shared = W.transpose() * eigen.eigenvalues().cwiseMin(1.0).asDiagonal() * W;
-    return after.sqrt().inverse() * shared * before.sqrt().inverse();
+    return after.sqrt().inverse() * shared * before.inverse() * carry * covariance_map(from).sqrt();
   }
   void add_evolution(const LocalizationResult& from, const LocalizationResult& to, Eigen::Index k) {
     const Matrix6d I = Matrix6d::Identity();

@@ -1,6 +1,7 @@
 #include "shared/link/memory_network.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <vector>
 
@@ -34,6 +35,15 @@ LinkConfig uplink(const LinkDirection& direction, std::uint64_t seed = 1) {
   return {.uplink = direction, .downlink = {}, .seed = seed};
 }
 
+/// A network with one robot and one localizer.
+struct OneOfEach {
+  explicit OneOfEach(const LinkConfig& config) : network(config) {}
+
+  MemoryNetwork network;
+  std::unique_ptr<Channel> robot = network.join_robot("robot");
+  std::unique_ptr<Channel> cloud = network.join_cloud("cloud");
+};
+
 TEST(DatagramSizes, SplitWhatDoesNotFitBelowTheMtu) {
   EXPECT_EQ(datagram_sizes(100).size(), 1);
   const auto sizes = datagram_sizes(12'000);
@@ -61,9 +71,8 @@ TEST(MemoryNetwork, CarriesEveryTopicToThoseWhoHearIt) {
 }
 
 TEST(MemoryNetwork, DelaysEachDirectionOnItsOwn) {
-  MemoryNetwork network({.uplink = {.delay_s = 1.0}, .downlink = {.delay_s = 0.1}, .seed = 1});
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] =
+      OneOfEach({.uplink = {.delay_s = 1.0}, .downlink = {.delay_s = 0.1}, .seed = 1});
   robot->send("cloud", message(Topic::kSubmap, 1), kStart);
   cloud->send("robot", message(Topic::kLocalization, 2), kStart);
   EXPECT_THAT(robot->receive(kStart + milliseconds(99)), IsEmpty());
@@ -103,14 +112,10 @@ TEST(MemoryNetwork, CountsPayloadAndWireBytes) {
 
 TEST(MemoryNetwork, LosesASampleWithAnyOfItsFragments) {
   constexpr int kSamples = 4000;
-  MemoryNetwork network(uplink({.loss = 0.5}));
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] = OneOfEach(uplink({.loss = 0.5}));
   const std::size_t size = 4000;
   ASSERT_EQ(datagram_sizes(size).size(), 4);
-  for (int i = 0; i < kSamples; ++i) {
-    robot->send("cloud", message(Topic::kSubmap, 1, size), kStart);
-  }
+  for (int i = 0; i < kSamples; ++i) robot->send("cloud", message(Topic::kSubmap, 1, size), kStart);
   const auto arrived = static_cast<double>(cloud->receive(kStart).size());
   EXPECT_NEAR(arrived / kSamples, 1.0 / 16, 0.015);
   const ChannelStatistics sent = robot->statistics();
@@ -122,9 +127,7 @@ TEST(MemoryNetwork, LosesASampleWithAnyOfItsFragments) {
 }
 
 TEST(MemoryNetwork, RepeatsASessionUntilItArrivesAndThenNoMore) {
-  MemoryNetwork network(uplink({.loss = 0.9, .delay_s = 0.5}, 3));
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] = OneOfEach(uplink({.loss = 0.9, .delay_s = 0.5}, 3));
   robot->send("cloud", message(Topic::kSession, 1), kStart);
   int arrived = 0;
   for (int second = 0; second < 600; ++second) {
@@ -164,9 +167,7 @@ TEST(MemoryNetwork, TellsALateJoinerTheLastSessionOfEveryRobotThatIsThere) {
 
 TEST(MemoryNetwork, DropsWhatArrivesBehindANewerSampleOfTheSameSenderAndTopic) {
   constexpr int kSamples = 200;
-  MemoryNetwork network(uplink({.jitter_s = 0.1}));
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] = OneOfEach(uplink({.jitter_s = 0.1}));
   for (int i = 0; i < kSamples; ++i) {
     robot->send("cloud",
                 message(Topic::kSubmap, static_cast<std::uint8_t>(i)),
@@ -195,9 +196,7 @@ TEST(MemoryNetwork, DropsNothingBehindASampleOfAnotherSenderOrTopic) {
 }
 
 TEST(MemoryNetwork, DropsDuplicatesAndCountsTheirBytes) {
-  MemoryNetwork network(uplink({.delay_s = 0.1, .duplication = 1.0}));
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] = OneOfEach(uplink({.delay_s = 0.1, .duplication = 1.0}));
   robot->send("cloud", message(Topic::kSession, 1), kStart);
   robot->send("cloud", message(Topic::kSubmap, 2), kStart);
   robot->send("cloud", message(Topic::kSubmap, 3, 4000), kStart);
@@ -206,18 +205,15 @@ TEST(MemoryNetwork, DropsDuplicatesAndCountsTheirBytes) {
 }
 
 TEST(MemoryNetwork, CarriesAnotherFragmentInTheRepetitionOfAStatus) {
-  MemoryNetwork network({.uplink = {}, .downlink = {.loss = 0.8}, .seed = 2});
-  const auto cloud = network.join_cloud("cloud");
-  const auto robot = network.join_robot("robot");
+  const auto [network, robot, cloud] =
+      OneOfEach({.uplink = {}, .downlink = {.loss = 0.8}, .seed = 2});
   cloud->send("", message(Topic::kLocalizerStatus, 1, 4000), kStart);
   EXPECT_THAT(contents(robot->receive(kStart + seconds(60))), ElementsAre(1));
 }
 
 TEST(MemoryNetwork, HasItsOutagesInBothDirectionsAtTheSameTime) {
   const LinkDirection out{.outages = {.at = {{.from_s = 10.0, .for_s = 5.0}}}};
-  MemoryNetwork network({.uplink = out, .downlink = out, .seed = 1});
-  const auto robot = network.join_robot("robot");
-  const auto cloud = network.join_cloud("cloud");
+  const auto [network, robot, cloud] = OneOfEach({.uplink = out, .downlink = out, .seed = 1});
   std::vector<int> up;
   std::vector<int> down;
   for (int second = 0; second < 20; ++second) {
@@ -261,11 +257,10 @@ TEST(MemoryNetwork, RepeatsToEachReceiverTheLastOneThatWasMeantForIt) {
 
 TEST(MemoryNetwork, RepeatsBitByBit) {
   const auto run = [] {
-    MemoryNetwork network({.uplink = {.loss = 0.3, .delay_s = 0.2, .jitter_s = 0.1},
-                           .downlink = {.loss = 0.5, .delay_s = 0.1, .duplication = 0.1},
-                           .seed = 11});
-    const auto cloud = network.join_cloud("cloud");
-    const auto robot = network.join_robot("robot");
+    const auto [network, robot, cloud] =
+        OneOfEach({.uplink = {.loss = 0.3, .delay_s = 0.2, .jitter_s = 0.1},
+                   .downlink = {.loss = 0.5, .delay_s = 0.1, .duplication = 0.1},
+                   .seed = 11});
     robot->send("cloud", message(Topic::kSession, 0), kStart);
     std::vector<int> heard;
     for (int i = 0; i < 200; ++i) {

@@ -33,6 +33,9 @@ void put_before(WindowLandmark& landmark, double metres) {
   across -= metres * std::copysign(1.0, across);
 }
 
+// Nothing vouches for a place.
+const PoseWithCovariance kUnknown{Pose{}, Matrix6d::Identity()};
+
 class AcceptanceTest : public testing::Test {
  protected:
   static Acceptance session() { return {config().acceptance, config().confirmation}; }
@@ -65,7 +68,7 @@ class AcceptanceTest : public testing::Test {
     Acceptance acceptance = session();
     const MapFit fit = fit_of(landmarks);
     const Acceptance::Verdict fits = acceptance.check_fit(fit, true);
-    return said(fits ? acceptance.confirm(fit, Pose{}, 0.0) : fits);
+    return said(fits ? acceptance.confirm(fit, kUnknown, Pose{}, 0.0) : fits);
   }
 
  private:
@@ -151,7 +154,7 @@ TEST_F(AcceptanceTest, IsNotLockedOutByItsInnovationGate) {
   int refused = 0;
   while (said(acceptance.check_fit(jumped, false)) == "innovation") ASSERT_LT(++refused, 20);
   EXPECT_GT(refused, 2);
-  EXPECT_EQ(said(acceptance.confirm(jumped, Pose{}, 0.0)), "accepted");
+  EXPECT_EQ(said(acceptance.confirm(jumped, kUnknown, Pose{}, 0.0)), "accepted");
   EXPECT_EQ(said(acceptance.check_fit(jumped, false)), "innovation") << "the gate is as before";
 }
 

@@ -1,7 +1,10 @@
 #include "cloud/localizer/dead_reckoning.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +69,13 @@ TEST(DeadReckoning, HasNoAnchorWithoutAStartPose) {
   EXPECT_FALSE(reckoning.is_localized());
 }
 
+TEST(DeadReckoning, BeginsWithTheFirstKeyframesAlsoIfItHasTakenOverNone) {
+  Drive drive;
+  drive.reckoning.follow({});
+  drive.to(20);
+  EXPECT_NEAR(drive.reckoning.travelled_m(keyframe_at(20)), 20.0, 1e-9);
+}
+
 TEST(DeadReckoning, FollowsTheOdometryFromTheStartPose) {
   Drive drive;
   drive.to(20);
@@ -100,6 +110,36 @@ TEST(DeadReckoning, HoldsTheWindowWhereItWasLocalizedLast) {
   EXPECT_EQ(outside.keyframe, keyframe_at(12));
   EXPECT_NEAR((outside.estimate.T_map_body.p - kPose.p).norm(), 2.0, 1e-9);
   EXPECT_GT(outside.estimate.covariance(3, 3), found.covariance(3, 3));
+}
+
+// It brings keyframes of the way that it has come; where it is now is known best.
+TEST(DeadReckoning, HoldsARobotThatComesFromAnotherLocalizerAtItsNewestKeyframe) {
+  constexpr int kAll = 30;
+  SessionDatabase database{{.window = 40}};
+  MapOdomEstimate start = Drive::start();
+  start.covariance = 1e-4 * Matrix6d::Identity();
+  start.p_odom.x() = 100.0 + kAll;
+  DeadReckoning reckoning(start, kDrift);
+  std::vector<KeyframeId> window;
+  for (const auto& [from, to] : {std::pair(20, kAll), std::pair(0, 20)}) {  // the newest ones first
+    Submap submap;
+    for (int x = from; x <= to; ++x) {
+      SubmapKeyframe keyframe;
+      keyframe.id = keyframe_at(x);
+      keyframe.T_odom_body.p.x() = 100.0 + x;
+      submap.keyframes.push_back(keyframe);
+    }
+    database.add(submap);
+    reckoning.follow(database.keyframes());
+  }
+  for (int x = 0; x <= kAll; ++x) window.push_back(keyframe_at(x));
+  const PosePrior prior = reckoning.prior(window, database);
+  EXPECT_EQ(prior.keyframe, keyframe_at(kAll));
+  const PoseWithCovariance newest = reckoning.at(database.keyframe(keyframe_at(kAll)).item);
+  EXPECT_LT(newest.covariance(3, 3), 1.1e-4) << "no drift since";
+  const PoseWithCovariance oldest = reckoning.at(database.keyframe(keyframe_at(0)).item);
+  EXPECT_NEAR(std::sqrt(oldest.covariance(3, 3)), 0.02 * kAll, 0.02);
+  EXPECT_NEAR(reckoning.travelled_m(keyframe_at(0)), -kAll, 1e-6);
 }
 
 }  // namespace

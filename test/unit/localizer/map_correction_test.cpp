@@ -45,17 +45,14 @@ void add_errors(const SimulatedSession& robot,
   errors.pose_nees.add(window.pose_nees());
   errors.oldest_nees.add(window.oldest_nees());
   for (const auto& pair : marginals.relative_poses) {
-    const Pose truth =
-        inverse(robot.truth(static_cast<int>(pair.from))) * robot.truth(static_cast<int>(pair.to));
+    const Pose truth = inverse(robot.truth(pair.from)) * robot.truth(pair.to);
     const Vector6d error =
         local_coordinates(inverse(window.pose(pair.from)) * window.pose(pair.to), truth);
     errors.rotation.add(error.head<3>().squaredNorm());
     errors.translation.add(error.tail<3>().squaredNorm());
   }
-  const int first = static_cast<int>(marginals.relative_poses.front().from);
-  errors.chain.add(
-      (window.pose(KeyframeId{static_cast<std::uint32_t>(first)}).p - robot.truth(first).p)
-          .squaredNorm());
+  const KeyframeId first = marginals.relative_poses.front().from;
+  errors.chain.add((window.pose(first).p - robot.truth(first).p).squaredNorm());
   for (const auto& landmark : chosen.landmarks) {
     if (!window.holds(landmark.id)) continue;
     errors.landmark.add(window.error(landmark.id).squaredNorm());
@@ -91,8 +88,7 @@ struct Items {
 
 void add_items(const SimulatedSession& robot, const RelativeMarginals& marginals, Items& items) {
   for (const auto& pair : marginals.relative_poses) {
-    const Pose truth =
-        inverse(robot.truth(static_cast<int>(pair.from))) * robot.truth(static_cast<int>(pair.to));
+    const Pose truth = inverse(robot.truth(pair.from)) * robot.truth(pair.to);
     items.pose_nees.add(
         nees_of(local_coordinates(pair.T_from_to, truth), pair.covariances.with_map));
     items.pose_gain.add(pair.covariances.gain());
@@ -116,7 +112,7 @@ TEST(MapCorrection, IsHonestItemByItemAndTogetherAndBetterThanTheRobotAlone) {
     const SimulatedSession robot({.seed = seed, .noise_of_right_pixel = true});
     SessionLocalizer localizer(robot.session(), room_map(), localizer_config());
     localize_until(localizer, robot, kNewest);
-    const auto marginals = relative_marginals(*localizer.system(), config);
+    const auto marginals = relative_marginals(*localizer.system(), config.keyframes, config);
     ASSERT_TRUE(marginals);
     add_items(robot, *marginals, items);
     const Correction chosen = *localizer.correction();
@@ -189,11 +185,11 @@ TEST(MapCorrection, SendsNothingWithoutAMatchOrWithOneAlone) {
   const CorrectionConfig config = localizer_config().corrections;
   const SimulatedSession robot({.seed = 4, .noise_of_right_pixel = true});
   Window window(robot);
-  ASSERT_TRUE(window.problem.solve(20).is_usable);
+  ASSERT_TRUE(window.problem.solve(20, 0.003).is_usable);
   const auto sent = [&](const std::vector<MapMatch>& matches) {
     window.problem.set_matches(matches);
-    EXPECT_TRUE(window.problem.solve(20).is_usable);
-    const auto marginals = relative_marginals(window.problem.system(), config);
+    EXPECT_TRUE(window.problem.solve(20, 0.003).is_usable);
+    const auto marginals = relative_marginals(window.problem.system(), config.keyframes, config);
     EXPECT_TRUE(marginals);
     if (matches.empty()) {
       for (const auto& pair : marginals->relative_poses) {
@@ -215,25 +211,23 @@ TEST(MapCorrection, SendsNothingWithoutAMatchOrWithOneAlone) {
   EXPECT_GT(sent(matches), 20U);
 }
 
-LaserMap shifted(const LaserMap& map, const Eigen::Vector3f& by) {
+std::shared_ptr<const LaserMap> shifted(const LaserMap& map, const Eigen::Vector3f& by) {
   std::vector<MapPoint> points = map.points();
   for (MapPoint& point : points) point.p_map += by;
-  return {std::move(points), map.info()};
+  return std::make_shared<const LaserMap>(std::move(points), map.info());
 }
 
 TEST(MapCorrection, StaysTheSameIfTheMapIsShiftedAsAWhole) {
-  const auto map =
-      std::make_shared<const LaserMap>(shifted(*room_map(), Eigen::Vector3f(0.05F, -0.05F, 0.05F)));
+  const auto map = shifted(*room_map(), {0.05F, -0.05F, 0.05F});
   const SimulatedSession robot({.seed = 5, .noise_of_right_pixel = true});
   SessionLocalizer right(robot.session(), room_map(), localizer_config());
   SessionLocalizer wrong(robot.session(), map, localizer_config());
   localize_until(right, robot, kNewest);
   localize_until(wrong, robot, kNewest);
-  const KeyframeId newest{kNewest};
-  EXPECT_GT((wrong.database().keyframe(newest).T_map_body->p -
-             right.database().keyframe(newest).T_map_body->p)
-                .norm(),
-            0.07);
+  const auto place = [](const SessionLocalizer& localizer) -> Eigen::Vector3d {
+    return localizer.database().keyframe(KeyframeId{kNewest}).T_map_body->p;
+  };
+  EXPECT_GT((place(wrong) - place(right)).norm(), 0.07);
   const Correction a = *right.correction();
   const Correction b = *wrong.correction();
   ASSERT_EQ(a.relative_poses.size(), b.relative_poses.size());
@@ -280,6 +274,26 @@ TEST(MapCorrection, KeepsToItsLimitsAndComesOnlyWithASolution) {
   localizer.add(wrong);
   EXPECT_NE(name(localizer.localize().status), "localized");
   EXPECT_FALSE(localizer.correction());
+}
+
+TEST(MapCorrection, LeavesOutWhatTheRobotWillNotHaveInItsWindowAnyMore) {
+  const SimulatedSession robot({.seed = 6});
+  SessionLocalizer localizer(robot.session(), room_map(), localizer_config());
+  localize_until(localizer, robot, 20);
+  const Duration interval =
+      robot.submap(20).keyframes.back().stamp - robot.submap(19).keyframes.back().stamp;
+  const auto oldest_after = [&](double intervals) {
+    const auto correction = localizer.correction(from_seconds(intervals * to_seconds(interval)));
+    return static_cast<int>(correction->relative_poses.front().from);
+  };
+  EXPECT_EQ(oldest_after(0.0), 13);  // of eight
+  EXPECT_EQ(oldest_after(2.1), 13);
+  EXPECT_EQ(oldest_after(5.1), 16);  // of five
+  EXPECT_EQ(oldest_after(8.1), 19);
+  const auto alone = localizer.correction(from_seconds(9.1 * to_seconds(interval)));
+  EXPECT_TRUE(alone->relative_poses.empty());
+  EXPECT_FALSE(alone->landmarks.empty());
+  EXPECT_FALSE(localizer.correction(from_seconds(10.1 * to_seconds(interval))));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ Pose RobotWindow::pose(KeyframeId id) const {
 }
 
 Vector6d RobotWindow::error_of(KeyframeId id) const {
-  return local_coordinates(pose(id), robot_.truth(static_cast<int>(id)));
+  return local_coordinates(pose(id), robot_.truth(id));
 }
 
 double RobotWindow::pose_nees() const {

@@ -55,6 +55,7 @@ class SimulatedSession {
   [[nodiscard]] Submap submap(int keyframe) const;
 
   [[nodiscard]] Pose truth(int keyframe) const;  ///< T_map_body
+  [[nodiscard]] Pose truth(KeyframeId keyframe) const { return truth(static_cast<int>(keyframe)); }
   [[nodiscard]] Pose T_odom_body(int keyframe) const;
   [[nodiscard]] const SimulatedRun& run() const { return run_; }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "cloud/localizer/acceptance.hpp"
+#include "shared/geometry/covariance.hpp"
 #include "shared/geometry/so3.hpp"
 #include "simulated_session.hpp"
 
@@ -51,6 +52,18 @@ TEST(StartConfirmation, BeginsAnewWhenTheHeadingWasWrong) {
   const Pose T_map_odom{exp_so3({0.0, 0.0, 0.05}), Eigen::Vector3d::Zero()};
   EXPECT_FALSE(start.take(T_map_odom * at(0.0, 0.0), at(0.0, 0.0), 0.0, false));
   EXPECT_FALSE(start.take(at(15.0, 0.0), at(15.0, 0.0), 15.0, false)) << "0.75 m beside";
+}
+
+// A robot that comes from another localizer has to drive nowhere first.
+TEST(StartConfirmation, IsImmediateWhereACertainStartPoseSaysTheSame) {
+  const StartConfirmation start = session();
+  const auto with_sigmas = [](double rad, double m) {
+    return PoseWithCovariance{at(7.0, 0.0), diagonal_covariance(rad, m)};
+  };
+  EXPECT_TRUE(start.is_vouched_for(with_sigmas(0.005, 0.05), at(7.1, 0.0)));
+  EXPECT_FALSE(start.is_vouched_for(with_sigmas(0.005, 0.05), at(7.3, 0.0))) << "another place";
+  EXPECT_FALSE(start.is_vouched_for(with_sigmas(0.005, 0.5), at(7.1, 0.0))) << "set by hand";
+  EXPECT_FALSE(start.is_vouched_for(with_sigmas(0.09, 0.05), at(7.1, 0.0))) << "the same";
 }
 
 }  // namespace

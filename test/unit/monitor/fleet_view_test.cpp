@@ -21,6 +21,7 @@ FleetView fleet() {
   ended.ended = true;
   return {.robots = {driving, waiting, ended},
           .localizers = {{.name = "localizer_1",
+                          .state = "draining",
                           .sessions = "2",
                           .load = 0.123,
                           .submaps = "40",
@@ -33,8 +34,8 @@ TEST(FleetView, IsATableWithALineForEach) {
             "robot_1  34.2 s  localized  0.021 m  0.030 m  18.0 KB/s  3.1 KB/s  0.50 s\n"
             "robot_2  -       -          -        -        -          -         -\n"
             "r        34.2 s  ended      0.021 m  0.030 m  18.0 KB/s  3.1 KB/s  0.50 s\n"
-            "localizer    robots  load  submaps  localized\n"
-            "localizer_1  2       12 %  40       38\n");
+            "localizer    state     robots  load  submaps  localized\n"
+            "localizer_1  draining  2       12 %  40       38\n");
 }
 
 TEST(FleetView, IsOneLineInAPipe) {
@@ -42,7 +43,7 @@ TEST(FleetView, IsOneLineInAPipe) {
   view.robots.resize(1);
   EXPECT_EQ(line(view),
             "robot_1 34.2 s localized, error 0.021 m, sigma 0.030 m, up 18.0 KB/s, down 3.1 KB/s, "
-            "round trip 0.50 s; localizer_1: robots 2, load 12 %, localized 38");
+            "round trip 0.50 s; localizer_1: draining, robots 2, load 12 %, localized 38");
 }
 
 }  // namespace

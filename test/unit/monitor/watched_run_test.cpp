@@ -79,9 +79,11 @@ TEST(WatchedLocalizer, ShowsItsLatestLine) {
   WatchedLocalizer localizer(folder);
   EXPECT_EQ(localizer.update().sessions, "");
   std::ofstream(folder / "status.csv")
-      << "time_s,sessions,load,submaps,localized\n0.5,0,0,0,0\n1.5,2,0.25,12,9\n";
+      << "time_s,sessions,load,submaps,localized,state\n0.5,0,0,0,0,accepting\n"
+      << "1.5,2,0.25,12,9,full\n";
   const LocalizerView view = localizer.update();
   EXPECT_EQ(view.name, "localizer_1");
+  EXPECT_EQ(view.state, "full");
   EXPECT_EQ(view.sessions, "2");
   EXPECT_DOUBLE_EQ(view.load, 0.25);
   EXPECT_EQ(view.submaps, "12");

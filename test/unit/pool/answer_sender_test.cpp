@@ -49,7 +49,9 @@ class AnswerSenderTest : public testing::Test {
                   .max_queueing_s = 0.2,
                   .increase_bytes_per_s2 = 100.0,
                   .decrease = 0.7,
-                  .shortest_memory_s = 120.0}}};
+                  .shortest_memory_s = 120.0,
+                  .unmeasured_bytes_per_s = 1200.0,
+                  .measured_for_s = 10.0}}};
   SubmapReceiver received_;
 };
 

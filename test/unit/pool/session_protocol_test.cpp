@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/wire/status_codec.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -39,24 +41,45 @@ class SessionProtocolTest : public testing::Test {
         [](const auto& outgoing) { return outgoing.message.topic == Topic::kLocalization; }));
   }
   static SessionProtocol::Config config() {
-    return {.max_sessions = 2,
-            .idle_session_s = 120.0,
-            .session_request_interval_s = 1.0,
-            .status = {.interval_s = 10.0, .min_interval_s = 1.0},
-            .answers = {.retransmission = {.max_interval_s = 1.0,
-                                           .min_interval_s = 0.2,
-                                           .full_rate_loss = 0.3},
-                        .max_payload_bytes = 480,
-                        .budget = {.max_bytes_per_s = 2000.0,
-                                   .max_bytes_per_s_high_loss = 4000.0,
-                                   .high_loss = 0.75,
-                                   .min_bytes_per_s = 300.0,
-                                   .burst_bytes = 2000.0,
-                                   .max_queueing_s = 0.2,
-                                   .increase_bytes_per_s2 = 100.0,
-                                   .decrease = 0.7,
-                                   .shortest_memory_s = 120.0}},
-            .sessions = {.settling_s = 5.0, .silence_s = 20.0, .max_robots = 10}};
+    return {
+        .max_sessions = 2,
+        .idle_session_s = 120.0,
+        .session_request_interval_s = 1.0,
+        .status = {.interval_s = 10.0, .min_interval_s = 1.0},
+        .answers = {.retransmission = {.max_interval_s = 1.0,
+                                       .min_interval_s = 0.2,
+                                       .full_rate_loss = 0.3},
+                    .max_payload_bytes = 480,
+                    .budget = {.max_bytes_per_s = 2000.0,
+                               .max_bytes_per_s_high_loss = 4000.0,
+                               .high_loss = 0.75,
+                               .min_bytes_per_s = 300.0,
+                               .burst_bytes = 2000.0,
+                               .max_queueing_s = 0.2,
+                               .increase_bytes_per_s2 = 100.0,
+                               .decrease = 0.7,
+                               .shortest_memory_s = 120.0,
+                               .unmeasured_bytes_per_s = 1200.0,
+                               .measured_for_s = 10.0}},
+        .sessions = {.settling_s = 5.0, .silence_s = 20.0, .max_robots = 10},
+        .admission = {.max_load = 0.8,
+                      .open_load = 0.6,
+                      .max_wait_s = 0.5,
+                      .open_wait_s = 0.25,
+                      .new_for_s = 5.0,
+                      .session_load = 0.1},
+        .draining = {
+            .max_s = 10.0, .silence_s = 3.0, .status = {.interval_s = 0.5, .min_interval_s = 0.1}}};
+  }
+
+  /// The statuses that are sent at that time.
+  std::vector<LocalizerStatus> statuses(double s, double load = 0.0) {
+    std::vector<LocalizerStatus> statuses;
+    for (const auto& outgoing : protocol_.outgoing(at(s), load, report_)) {
+      if (outgoing.message.topic != Topic::kLocalizerStatus) continue;
+      statuses.push_back(decode_localizer_status(outgoing.message.payload).value());
+    }
+    return statuses;
   }
 
   SessionProtocol protocol_{
@@ -162,6 +185,49 @@ TEST_F(SessionProtocolTest, ARobotIsIdleOnceItIsSilent) {
   EXPECT_TRUE(protocol_.idle(at(122)).empty());
   EXPECT_EQ(protocol_.end("a"), at(121));
   EXPECT_EQ(protocol_.status(status, at(123)).error(), PoolRefusal::kUnknownSession);
+}
+
+TEST_F(SessionProtocolTest, ADrainingLocalizerSaysSoAtOnceAndAgainAndTakesNoRobots) {
+  ASSERT_EQ(statuses(0.0).size(), 1);
+  protocol_.drain(at(0.1));
+  const auto first = statuses(0.1);
+  ASSERT_EQ(first.size(), 1);
+  EXPECT_TRUE(first[0].draining);
+  EXPECT_FALSE(first[0].accepting);
+  int repeated = 0;
+  for (int ms = 110; ms <= 2100; ms += 10) {
+    repeated += static_cast<int>(statuses(1e-3 * ms).size());
+  }
+  EXPECT_EQ(repeated, 4);
+}
+
+TEST_F(SessionProtocolTest, ADrainingLocalizerWaitsForItsRobotsButNotForLong) {
+  EXPECT_TRUE(protocol_.announced(session_of("a"), at(0.0)));
+  EXPECT_TRUE(protocol_.announced(session_of("b"), at(0.0)));
+  EXPECT_TRUE(protocol_.to_leave(at(0.0)).empty()) << "it does not drain";
+  protocol_.drain(at(1.0));
+  EXPECT_EQ(protocol_.to_leave(at(1.0)), (std::vector<RobotId>{"a", "b"}));
+  RobotSession left = session_of("a");
+  left.localizer = "other";
+  EXPECT_EQ(protocol_.announced(left, at(2.0)).value(), Change::kLeft);
+  protocol_.end("a");
+  EXPECT_EQ(protocol_.to_leave(at(2.0)), std::vector<RobotId>{"b"});
+  EXPECT_TRUE(protocol_.to_leave(at(3.5)).empty()) << "nothing was heard of it";
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    static_cast<void>(
+        protocol_.submap(header_of(submap_of(session_of("b"), i)), at(1.0 + 0.5 * i)));
+    const double s = 1.0 + 0.5 * i;
+    EXPECT_EQ(protocol_.to_leave(at(s)).size(), s <= 11.0 ? 1 : 0) << s;
+  }
+}
+
+TEST_F(SessionProtocolTest, AcceptsNoFurtherRobotsWhileItHasTooMuchToDo) {
+  EXPECT_TRUE(protocol_.announced(session_of("a"), at(0.0)));
+  EXPECT_TRUE(statuses(10.0, 0.5).at(0).accepting);
+  EXPECT_FALSE(statuses(12.0, 0.9).at(0).accepting);
+  EXPECT_TRUE(protocol_.submap(header_of(submap_of(session_of("a"), 0)), at(13.0)))
+      << "still served";
+  EXPECT_TRUE(statuses(14.0, 0.3).at(0).accepting);
 }
 
 }  // namespace

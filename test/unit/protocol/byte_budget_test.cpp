@@ -22,7 +22,9 @@ ByteBudget::Config some_config() {
           .max_queueing_s = 0.2,
           .increase_bytes_per_s2 = 100.0,
           .decrease = 0.7,
-          .shortest_memory_s = 120.0};
+          .shortest_memory_s = 120.0,
+          .unmeasured_bytes_per_s = 1200.0,
+          .measured_for_s = 10.0};
 }
 
 /// Sends 500-byte datagrams as fast as its budget allows over a bottleneck that others may share.
@@ -62,10 +64,15 @@ TEST(ByteBudget, BringsItsRateOnALinkWithoutAQueue) {
 
 TEST(ByteBudget, LossAloneDoesNotSlowItDown) {
   ByteBudget budget(some_config());
-  for (double s = 0.0; s < 60.0; s += 1.0) budget.advance(at(s), 0.5);
+  auto advance_to = [&, s = 0.0](double end_s, double loss) mutable {
+    for (; s < end_s; s += 1.0) {
+      budget.advance(at(s), loss);
+      budget.measured(from_seconds(0.5), at(s));
+    }
+  };
+  advance_to(60.0, 0.5);
   EXPECT_EQ(budget.bytes_per_s(), 3000.0);
-  budget.advance(at(60.0), 0.8);
-  for (double s = 60.0; s < 120.0; s += 1.0) budget.advance(at(s), 0.8);
+  advance_to(120.0, 0.8);
   EXPECT_EQ(budget.bytes_per_s(), 6000.0);
 }
 
@@ -103,8 +110,26 @@ TEST(ByteBudget, SharesABottleneckEvenly) {
   EXPECT_GT(sum / 480.0, 0.7 * 8000.0);
 }
 
+TEST(ByteBudget, IsSmallWhileNobodyAnswers) {
+  ByteBudget budget(some_config());
+  budget.advance(at(0.0), 0.7);
+  EXPECT_EQ(budget.bytes_per_s(), 1200.0);
+  budget.measured(from_seconds(0.5), at(5.0));
+  budget.advance(at(14.0), 0.7);
+  EXPECT_EQ(budget.bytes_per_s(), 3000.0);
+  budget.advance(at(16.0), 0.7);
+  EXPECT_EQ(budget.bytes_per_s(), 1200.0);
+  budget.measured(from_seconds(0.5), at(60.0));
+  budget.advance(at(60.0), 0.7);
+  EXPECT_EQ(budget.bytes_per_s(), 3000.0);
+}
+
 TEST(ByteBudget, ALocalizerThatTakesOverGetsBytesOnTop) {
   ByteBudget budget(some_config());
+  budget.advance(at(0.0), 0.0);
+  budget.grant(6000);
+  EXPECT_FALSE(budget.allows(5000));  // on a link of which nothing is known
+  budget.measured(from_seconds(0.5), at(0.0));
   EXPECT_FALSE(budget.allows(5000));
   budget.grant(6000);
   EXPECT_TRUE(budget.allows(5000));

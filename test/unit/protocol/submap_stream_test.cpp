@@ -108,6 +108,19 @@ TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
   EXPECT_EQ(submap.session, SessionNumber{2});
 }
 
+TEST(SubmapSender, UsesNoNumberAgainThatAnotherSenderHasUsedInThisSession) {
+  SubmapSender sender;
+  sender.restart(SessionNumber{1}, Incarnation{1});
+  Submap submap = with_keyframe(1);
+  sender.prepare(submap, at(0));
+  sender.restart(SessionNumber{1}, Incarnation{2}, 7);
+  sender.prepare(submap, at(1));
+  EXPECT_EQ(submap.number, SampleNumber{7});
+  sender.restart(SessionNumber{1}, Incarnation{1}, 3);
+  sender.prepare(submap, at(2));
+  EXPECT_EQ(submap.number, SampleNumber{8});
+}
+
 TEST(SubmapSender, MeasuresRoundTripAndLoss) {
   SubmapSender sender;
   SubmapReceiver receiver;

@@ -17,6 +17,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr std::uint16_t kUserData = 0x002c;
+constexpr std::uint16_t kParticipantGuid = 0x0050;
 constexpr std::uint16_t kEntityName = 0x0062;
 
 // A parameter with a length before its octets, as user data and names have it.
@@ -26,14 +27,29 @@ void add_counted(ByteWriter& list, std::uint16_t id, const std::string& text) {
   list.zeros(padded - text.size());
 }
 
-Bytes announcement_of(const std::string& name, const std::string& user_data) {
+Bytes announcement_of(const std::string& name,
+                      const std::string& user_data,
+                      const GuidPrefix& participant = {}) {
   ByteWriter body;
   body.u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1);
   body.bytes({0, 3, 0, 0});
+  body.u16(kParticipantGuid).u16(16).bytes({participant.begin(), participant.end()}).entity(0x1c1);
   add_counted(body, kEntityName, name + '\0');
   if (!user_data.empty()) add_counted(body, kUserData, user_data);
   body.u16(1).u16(0);
   return message_of({submessage(0x15, 1 | 4, body.written())});
+}
+
+TEST(AnnouncesRobot, KnowsARobotThatSpeaksForItself) {
+  const std::string robot = wire_version_text(ChannelRole::kRobot);
+  const std::string localizer = wire_version_text(ChannelRole::kCloud);
+  const GuidPrefix sender = sender_of(announcement_of("", ""));
+  GuidPrefix other = sender;
+  ++other[0];
+  EXPECT_TRUE(announces_robot(announcement_of("robot", robot, sender)));
+  EXPECT_FALSE(announces_robot(announcement_of("robot", robot, other))) << "by a discovery server";
+  EXPECT_FALSE(announces_robot(announcement_of("cloud", localizer, sender)));
+  EXPECT_FALSE(announces_robot(announcement_of("fleetloc-robot", "", sender)));
 }
 
 class WireVersionWatchTest : public testing::Test {

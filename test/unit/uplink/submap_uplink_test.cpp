@@ -28,6 +28,7 @@ SubmapUplink::Config some_config() {
           .max_payload_bytes = 1200,
           .min_pause_s = 0.05,
           .handover_datagrams = 6,
+          .handover_pause_s = 0.2,
           .budget = {.max_bytes_per_s = 3000.0,
                      .max_bytes_per_s_high_loss = 6000.0,
                      .high_loss = 0.75,
@@ -36,7 +37,9 @@ SubmapUplink::Config some_config() {
                      .max_queueing_s = 0.2,
                      .increase_bytes_per_s2 = 100.0,
                      .decrease = 0.7,
-                     .shortest_memory_s = 120.0}};
+                     .shortest_memory_s = 120.0,
+                     .unmeasured_bytes_per_s = 1200.0,
+                     .measured_for_s = 10.0}};
 }
 
 /// A robot that drives on, its uplink, and a cloud that only stores and acknowledges; two keyframes

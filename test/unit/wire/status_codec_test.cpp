@@ -10,7 +10,8 @@ namespace fleetloc {
 namespace {
 
 TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
-  const LocalizerStatus sent = some_localizer_status();
+  LocalizerStatus sent = some_localizer_status();
+  sent.draining = true;
   const auto received = decode_localizer_status(encode(sent)).value();
   EXPECT_EQ(received.localizer, sent.localizer);
   EXPECT_EQ(received.incarnation, sent.incarnation);
@@ -18,6 +19,7 @@ TEST(StatusCodec, RoundTripPreservesALocalizerStatus) {
   EXPECT_EQ(received.sessions, sent.sessions);
   EXPECT_EQ(received.load, sent.load);
   EXPECT_EQ(received.accepting, sent.accepting);
+  EXPECT_EQ(received.draining, sent.draining);
 }
 
 TEST(StatusCodec, RoundTripPreservesARobotStatus) {

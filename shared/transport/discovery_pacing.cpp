@@ -1,0 +1,57 @@
+#include "shared/transport/discovery_pacing.hpp"
+
+#include <utility>
+
+#include "shared/link/datagrams.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::size_t kManyQueues = 1000;  // then those are dropped in which nothing waits
+
+template <typename Value>
+void append(const Value& value, DiscoveryDatagram& datagram) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
+  for (auto* part : {&datagram.subject, &datagram.statement}) {
+    part->insert(part->end(), bytes, bytes + sizeof(value));
+  }
+}
+
+}  // namespace
+
+void DiscoveryPacing::send_later(RtpsBytes bytes,
+                                 const void* socket,
+                                 const Locator& to,
+                                 const std::function<void()>& send,
+                                 DelayLine& line) {
+  auto datagram = DiscoveryDatagram::read(bytes);
+  append(socket, *datagram);
+  append(to.address, *datagram);
+  append(to.port, *datagram);
+  const auto queue = queue_to(to);
+  const std::size_t wire_bytes = bytes.size() + kIpUdpBytes;
+  const auto now = DelayLine::Clock::now();
+  if (queue->has_just_said(*datagram, now)) return;
+  if (queue->passes(*datagram, wire_bytes, now)) return send();
+  const auto due = queue->put(*std::move(datagram), wire_bytes, send, now);
+  if (due) line.at(*due, [queue, &line] { take(queue, line); });
+}
+
+std::shared_ptr<DiscoveryQueue> DiscoveryPacing::queue_to(const Locator& to) {
+  const Locator key = role_ == ChannelRole::kRobot ? Locator{} : to;
+  const std::lock_guard lock(mutex_);
+  if (queues_.size() > kManyQueues) {
+    std::erase_if(queues_, [](const auto& item) { return item.second.use_count() == 1; });
+  }
+  auto& queue = queues_[key];
+  if (!queue) queue = std::make_shared<DiscoveryQueue>(bytes_per_s_);
+  return queue;
+}
+
+void DiscoveryPacing::take(const std::shared_ptr<DiscoveryQueue>& from, DelayLine& line) {
+  const auto [send, next] = from->take(DelayLine::Clock::now());
+  if (send) send();
+  if (next) line.at(*next, [from, &line] { take(from, line); });
+}
+
+}  // namespace fleetloc
