@@ -9,6 +9,7 @@
 #include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/server_restart_detector.hpp"
 #include "shared/transport/workarounds/silent_server_pacing.hpp"
+#include "shared/transport/workarounds/start_gate.hpp"
 
 namespace fleetloc {
 
@@ -31,6 +32,7 @@ struct WireLink {
   SilentServerPacing silent_servers;
   AnsweredHeartbeats answered_heartbeats;
   PeerAddressFilter addresses;
+  StartGate start;
   TrafficCounter traffic;
 };
 

@@ -29,6 +29,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::chrono::milliseconds kPatience{100};  // with a socket, for what is sent later
+
 bool transmit(rtps::SenderResource& socket,
               RtpsBytes datagram,
               const fdr::LocatorList& destinations,
@@ -120,6 +122,10 @@ class Transport final : public fdr::ChainingTransport {
                RtpsBytes datagram,
                const fdr::LocatorList& destinations,
                Clock::time_point timeout);
+  bool transmit_or_emulate(rtps::SenderResource* socket,
+                           RtpsBytes datagram,
+                           const fdr::LocatorList& destinations,
+                           Clock::time_point timeout);
   /// Copies the datagram: the library's buffer is valid in this call only.
   void send_later(rtps::SenderResource* socket,
                   RtpsBytes datagram,
@@ -198,7 +204,7 @@ bool Transport::send(rtps::SenderResource* socket,
     const auto send = [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
       fdr::LocatorList destination;
       destination.push_back(to);
-      pass_on(socket, copy, destination, Clock::now() + std::chrono::milliseconds(100));
+      pass_on(socket, copy, destination, Clock::now() + kPatience);
     };
     discovery_.send_later(datagram, socket, locator_of(to), send, *delay_line_);
   }
@@ -209,6 +215,20 @@ bool Transport::pass_on(rtps::SenderResource* socket,
                         RtpsBytes datagram,
                         const fdr::LocatorList& destinations,
                         Clock::time_point timeout) {
+  if (link_->start.is_closed()) {
+    const std::vector copy(datagram.begin(), datagram.end());
+    link_->start.hold([this, socket, copy, destinations] {
+      transmit_or_emulate(socket, copy, destinations, Clock::now() + kPatience);
+    });
+    return true;
+  }
+  return transmit_or_emulate(socket, datagram, destinations, timeout);
+}
+
+bool Transport::transmit_or_emulate(rtps::SenderResource* socket,
+                                    RtpsBytes datagram,
+                                    const fdr::LocatorList& destinations,
+                                    Clock::time_point timeout) {
   const auto bytes = static_cast<std::uint32_t>(datagram.size());
   if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
@@ -228,7 +248,7 @@ void Transport::send_later(rtps::SenderResource* socket,
   delay_line_->at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
     fdr::LocatorList destination;
     destination.push_back(to);
-    transmit(*socket, copy, destination, Clock::now() + std::chrono::milliseconds(100));
+    transmit(*socket, copy, destination, Clock::now() + kPatience);
   });
 }
 

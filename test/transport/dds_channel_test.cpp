@@ -1,10 +1,12 @@
 #include "shared/transport/dds_channel.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <limits>
 #include <ranges>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -102,6 +104,23 @@ TEST_F(DdsChannelTest, IsMatchedBeforeTheFirstMessageWithWhomItIsPreparedFor) {
     EXPECT_TRUE(matches(robot_, topic, "cloud_1"));
   }
   EXPECT_TRUE(matches(cloud_, Topic::kLocalization, "robot_1"));
+}
+
+// The answer to an announcement comes within less than a millisecond. One that was lost would come
+// again with the next announcement only.
+TEST(DdsChannelStart, HearsAnAnswerHoweverSoonItComes) {
+  const TestNetwork network;
+  DdsChannel cloud{on_loopback(network.domain(), ChannelRole::kCloud, "cloud_1")};
+  for (int i = 0; i < 20; ++i) {
+    const std::string name = "robot_" + std::to_string(i);
+    const auto began = std::chrono::steady_clock::now();
+    DdsChannel robot{on_loopback(network.domain(), ChannelRole::kRobot, name)};
+    robot.prepare("cloud_1");
+    while (robot.matched_readers(Topic::kSession, "cloud_1") == 0) {
+      ASSERT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2)) << name;
+      std::this_thread::yield();
+    }
+  }
 }
 
 TEST_F(DdsChannelTest, HearsMoreRobotsThanTheLibrarysDefaultOfTen) {
