@@ -3,10 +3,10 @@
 # cloud/ never use each other. Checked twice: where a target declares what it USES, and over every
 # #include by the test `layers`.
 set(FLEETLOC_LAYERS
-    "shared/core idl"
+    "shared/core idl idl/ros2"
     "shared/geometry shared/concurrency shared/config shared/coding"
     "shared/model shared/link shared/transport/workarounds"
-    "shared/factors shared/wire shared/transport shared/trajectory shared/dataset"
+    "shared/factors shared/wire shared/ros2 shared/transport shared/trajectory shared/dataset"
     "shared/compact"
     "shared/protocol"
     "robot/sensors"
@@ -26,8 +26,8 @@ set(FLEETLOC_LAYERS
 string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds)?" "fastcdr/=shared/wire"
-    "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/(ros2|workarounds))?"
+    "fastcdr/=shared/(ros2|wire)" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)
   set(index 0)
