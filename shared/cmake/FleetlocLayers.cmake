@@ -9,7 +9,7 @@ set(FLEETLOC_LAYERS
     "shared/factors shared/wire shared/transport shared/trajectory shared/dataset"
     "shared/compact"
     "shared/protocol"
-    "robot/sensors"
+    "robot/sensors robot/calibration"
     "robot/dataset robot/tracking robot/inertial cloud/point_cloud"
     "robot/vio robot/submap robot/fusion robot/uplink cloud/laser_map cloud/mapping"
     "robot/odometry robot/cloud_client cloud/localizer"
