@@ -10,7 +10,7 @@ set(FLEETLOC_LAYERS
     "shared/compact"
     "shared/protocol"
     "robot/sensors robot/calibration"
-    "robot/dataset robot/tracking robot/inertial cloud/point_cloud"
+    "robot/dataset robot/live robot/tracking robot/inertial cloud/point_cloud"
     "robot/vio robot/submap robot/fusion robot/uplink cloud/laser_map cloud/mapping"
     "robot/odometry robot/cloud_client cloud/localizer"
     "robot/pipeline cloud/pool"
