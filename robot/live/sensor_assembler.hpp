@@ -51,13 +51,15 @@ class SensorAssembler {
 
   SensorAssembler(const Config& config, const Topics& topics, const StereoCalibration& cameras);
 
-  /// @param gray  8 bit; another type or size than the calibrated one counts as missing
+  /// @param gray  8 bit, is kept and not copied; another type or size than the calibrated one
+  ///     counts as missing
   /// @param decoding_cpu  what decoding it took; only for reports
   void add_left(Timestamp stamp, cv::Mat gray, ArrivalTime arrival, Duration decoding_cpu = {});
   void add_right(Timestamp stamp, cv::Mat gray, ArrivalTime arrival, Duration decoding_cpu = {});
   void add_imu(const ImuSample& sample, ArrivalTime arrival);
 
-  /// To be called at least ten times a second: what waits goes on, and silence is noticed.
+  /// To be called a hundred times a second while nothing arrives: what waits goes on, and silence
+  /// is noticed.
   void poll(ArrivalTime now);
 
   /// The next measurement, if there is one.
