@@ -109,6 +109,7 @@ if [ "$mode" = tidy ]; then
   sh deploy/install-deps.sh clang-format clang-tidy || exit $?
   tidy "${2:-}"
 else
-  sh deploy/install-deps.sh || exit $?
+  # A packet filter, and another kind of computer.
+  sh deploy/install-deps.sh nftables g++-aarch64-linux-gnu qemu-user-static || exit $?
   run_tests "$mode"
 fi

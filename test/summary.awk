@@ -49,6 +49,12 @@ FNR == NR {
   takes_reason = 1
   next
 }
+# Others: NAME: skipped: why.
+/^([ \t]*<system-out>)?[^ ]+: skipped: / {
+  reason = plain($0)
+  sub(/^.*: skipped: /, "", reason)
+  sub(/<\/system-out>$/, "", reason)
+}
 takes_reason && (/^$/ || /^\[/ || /</) { takes_reason = 0 }
 takes_reason { reason = reason (reason == "" ? "" : " ") plain($0) }
 

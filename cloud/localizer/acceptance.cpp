@@ -88,10 +88,11 @@ Acceptance::Verdict Acceptance::check_certainty(
 Acceptance::Verdict Acceptance::confirm(const MapFit& fit,
                                         const PoseWithCovariance& predicted,
                                         const Pose& T_odom_body,
-                                        double travelled_m) {
-  const bool is_sure =
-      is_confident(fit.association) || start_.is_vouched_for(predicted, fit.T_map_body);
-  if (!start_.take(fit.T_map_body, T_odom_body, travelled_m, is_sure)) {
+                                        const TravelledPath& path) {
+  const double window_m = path.to_newest_m - path.to_oldest_m;
+  const bool is_sure = (is_confident(fit.association) && start_.is_distinct(predicted, window_m)) ||
+                       start_.is_vouched_for(predicted, fit.T_map_body);
+  if (!start_.take(fit.T_map_body, T_odom_body, path.to_newest_m, is_sure)) {
     return unexpected(kUnconfirmed);
   }
   refused_in_a_row_ = 0;
@@ -134,6 +135,12 @@ bool StartConfirmation::is_vouched_for(const PoseWithCovariance& predicted,
          (T_map_body.p - predicted.T_map_body.p).norm() <= config_.tolerance_m;
 }
 
+// The more room there is, the more places in it look like the right one from a short way.
+bool StartConfirmation::is_distinct(const PoseWithCovariance& predicted, double window_m) const {
+  return max_sigma(predicted.covariance.bottomRightCorner<3, 3>()) <= config_.known_start_m ||
+         window_m >= config_.path_m;
+}
+
 Acceptance::Config read_acceptance_config(ConfigReader section) {
   return {.min_keyframes = section.integer("min_keyframes", 1, 1000),
           .min_matches = section.integer("min_matches", 3, 10000),
@@ -155,7 +162,8 @@ StartConfirmation::Config read_start_confirmation_config(ConfigReader section) {
   return {.path_m = section.positive("path_m"),
           .tolerance_m = section.positive("tolerance_m"),
           .certain_start_m = section.positive("certain_start_m"),
-          .certain_start_rad = section.positive("certain_start_rad")};
+          .certain_start_rad = section.positive("certain_start_rad"),
+          .known_start_m = section.positive("known_start_m")};
 }
 
 }  // namespace fleetloc

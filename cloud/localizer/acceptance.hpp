@@ -13,16 +13,23 @@
 
 namespace fleetloc {
 
+/// The way of the robot by its odometry.
+struct TravelledPath {
+  double to_oldest_m = 0.0;  ///< until the oldest keyframe of the window
+  double to_newest_m = 0.0;  ///< until the newest
+};
+
 /// Accepts the first localization of a session only once it is confirmed. In a scene that has
 /// changed a lot, a wrong pose may have enough matches by chance; but as the robot drives on and
 /// observes other structure, a wrong T_map_odom changes and the right one stays.
 class StartConfirmation {
  public:
   struct Config {
-    double path_m;           ///< over which T_map_odom must stay
+    double path_m;           ///< over which T_map_odom must stay, or the window must reach
     double tolerance_m;      ///< of the position, within which it stays
     double certain_start_m;  ///< sigmas of a start pose that itself confirms a solution within the
     double certain_start_rad;  ///< tolerance: another localizer has localized the robot
+    double known_start_m;      ///< sigma beyond which not even a confident place counts at once
   };
 
   explicit StartConfirmation(const Config& config) : config_(config) {}
@@ -37,6 +44,12 @@ class StartConfirmation {
   /// @param predicted  of the newest keyframe by the start pose, with the drift since then
   [[nodiscard]] bool is_vouched_for(const PoseWithCovariance& predicted,
                                     const Pose& T_map_body) const;
+
+  /// Whether a confident solution is the place: the start pose leaves little room for others, or
+  /// the window is long.
+  /// @param predicted  as above
+  /// @param window_m   the way in the window
+  [[nodiscard]] bool is_distinct(const PoseWithCovariance& predicted, double window_m) const;
 
   /// Of the last solution; nothing once the session is confirmed.
   [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }
@@ -103,11 +116,11 @@ class Acceptance {
 
   /// At last, whether the session's first place is the right one; see StartConfirmation.
   /// @param predicted    of the newest keyframe
-  /// @param travelled_m  by the odometry until then
+  /// @param path         by the odometry until then
   Verdict confirm(const MapFit& fit,
                   const PoseWithCovariance& predicted,
                   const Pose& T_odom_body,
-                  double travelled_m);
+                  const TravelledPath& path);
 
   /// By the last solution, while the session's first place is unconfirmed.
   [[nodiscard]] const std::optional<Pose>& unconfirmed_T_map_odom() const {

@@ -142,9 +142,9 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   if (!certain) return unexpected(certain.error());
 
   const SubmapKeyframe& newest = database_.newest().item;
-  const double travelled_m = dead_reckoning_.travelled_m(newest.id);
-  const auto confirmed =
-      acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, travelled_m);
+  const TravelledPath path{dead_reckoning_.travelled_m(database_.window().front()),
+                           dead_reckoning_.travelled_m(newest.id)};
+  const auto confirmed = acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, path);
   if (!confirmed) return unexpected(confirmed.error());
   return Solution{{fit.T_map_body, stated->covariance}, std::move(system)};
 }

@@ -224,6 +224,10 @@ void FaultInjector::take(const ImuSample& sample) {
   if (!dropped) deliver(faulty, late_sample_, doubled, late);
 }
 
+void FaultInjector::take(const ClockStep& step) {
+  ready_.push_back(step);
+}
+
 void FaultInjector::deliver(SensorMeasurement measurement,
                             std::optional<SensorMeasurement>& held_back,
                             bool twice,

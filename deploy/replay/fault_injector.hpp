@@ -72,6 +72,7 @@ class FaultInjector final : public SensorSource {
   bool occurs(std::size_t fault, Timestamp stamp);
   void take(CameraFrame frame);
   void take(const ImuSample& sample);
+  void take(const ClockStep& step);
   void deliver(SensorMeasurement measurement,
                std::optional<SensorMeasurement>& held_back,
                bool twice,

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "robot/calibration/euroc_rig.hpp"
 #include "robot/dataset/stereo_images.hpp"
 #include "robot/dataset/track_files.hpp"
-#include "shared/dataset/sensor_file.hpp"
 
 namespace fleetloc {
 namespace {
@@ -52,17 +52,11 @@ DatasetReader::DatasetReader(const Options& options)
 }
 
 void DatasetReader::read_calibration(const std::filesystem::path& mav0) {
-  const CameraFile cam0 = read_camera_file(mav0 / "cam0" / "sensor.yaml");
-  const CameraFile cam1 = read_camera_file(mav0 / "cam1" / "sensor.yaml");
-  const ImuFile imu = read_imu_file(mav0 / "imu0" / "sensor.yaml");
-  const Pose T_body_rig = inverse(imu.T_rig_imu);
-  calibration_ = {.cam0 = cam0.camera,
-                  .cam1 = cam1.camera,
-                  .T_body_cam0 = T_body_rig * cam0.T_rig_cam,
-                  .T_body_cam1 = T_body_rig * cam1.T_rig_cam};
-  imu_noise_ = imu.noise;
-  frame_interval_ = from_seconds(1.0 / cam0.rate_hz);
-  imu_interval_ = from_seconds(1.0 / imu.rate_hz);
+  const SensorRig rig = read_euroc_rig(euroc_files(mav0));
+  calibration_ = rig.cameras;
+  imu_noise_ = rig.imu_noise;
+  frame_interval_ = from_seconds(1.0 / rig.frame_rate_hz);
+  imu_interval_ = from_seconds(1.0 / rig.imu_rate_hz);
 }
 
 void DatasetReader::select_frames(const Options& options) {

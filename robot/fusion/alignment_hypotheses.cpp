@@ -13,6 +13,7 @@ constexpr std::size_t kMaxHypotheses = 4;
 }  // namespace
 
 void HypothesisSupport::add(const LocalizationMeasurement& answer) {
+  oldest_stamp_ = std::min(oldest_stamp_.value_or(answer.oldest_stamp), answer.oldest_stamp);
   const auto source =
       std::find_if(sources_.begin(), sources_.end(), [&answer](const Source& candidate) {
         return candidate.localizer == answer.localizer &&
@@ -25,6 +26,10 @@ void HypothesisSupport::add(const LocalizationMeasurement& answer) {
     source->counted = answer.stamp;
     ++independent_;
   }
+}
+
+bool HypothesisSupport::is_within_window(const LocalizationMeasurement& answer) const {
+  return oldest_stamp_ && answer.oldest_stamp <= *oldest_stamp_;
 }
 
 AlignmentHypotheses::AlignmentHypotheses(const Config& config) : config_(config) {}
@@ -84,6 +89,9 @@ bool AlignmentHypotheses::add(const LocalizationMeasurement& rejected) {
   ++chosen.agreeing;
   chosen.applied_since = 0;
   chosen.support.add(rejected);
+  // As after a session's first answers, which saw little: the localizer has the same keyframes and
+  // more, and no longer finds that place.
+  if (contradicts(chosen) && current_support_.is_within_window(rejected)) return true;
   return chosen.support.independent() >=
          std::min(config_.restart_after, current_support_.independent() + 1);
 }

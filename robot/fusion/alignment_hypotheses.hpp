@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ class HypothesisSupport {
  public:
   void add(const LocalizationMeasurement& answer);
   [[nodiscard]] int independent() const { return independent_; }
+  /// Whether the answer's window contains all windows of the supporting answers, which are older
+  /// than it.
+  [[nodiscard]] bool is_within_window(const LocalizationMeasurement& answer) const;
 
  private:
   struct Source {
@@ -23,11 +27,13 @@ class HypothesisSupport {
   };
   std::vector<Source> sources_;
   int independent_ = 0;
+  std::optional<Timestamp> oldest_stamp_;  ///< where the earliest of their windows begins
 };
 
 /// Hypotheses of T_map_odom from answers that the gate rejected and that agree with each other: the
 /// filter may be the one that is wrong. A hypothesis replaces the current estimate as soon as it
-/// has more independent support, or `restart_after` independent answers. A value: copy it to
+/// has more independent support, or `restart_after` independent answers; or if it contradicts the
+/// estimate by an answer whose window contains all that the estimate rests on. A value: copy it to
 /// replay.
 class AlignmentHypotheses {
  public:

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "robot/vio/gauge_factor.hpp"
@@ -12,11 +13,19 @@ namespace {
 
 // Initializations look back less far than this.
 constexpr Duration kKeptFor = std::chrono::seconds(30);
+// Of the heading [rad]: a pose that is less certain tells nothing. As drift of a window it would
+// drown what the window knows in rounding errors (seen at 150 rad, after an hour's gap forever).
+constexpr double kMaxHeadingSigma = 2.0 * std::numbers::pi;
 
 // The turn about z that brings `from` as close to `to` as such a turn can.
 Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
   const Eigen::Matrix3d R = (to * from.conjugate()).toRotationMatrix();
   return exp_so3({0.0, 0.0, std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
+}
+
+bool is_lost(const PoseEstimate& pose) {
+  const double variance = pose.covariance_odom.topLeftCorner<3, 3>().diagonal().maxCoeff();
+  return !(variance <= kMaxHeadingSigma * kMaxHeadingSigma);
 }
 
 }  // namespace
@@ -31,6 +40,7 @@ std::optional<PoseEstimate> Continuation::apply(Initialization& initialization) 
   const auto kept = std::exchange(dead_reckoned_, {});
   const auto found = kept.find(initialization.keyframes.front().frame.stamp);
   if (found == kept.end() || found->second.quality == Quality::kInitializing) return std::nullopt;
+  if (is_lost(found->second)) return std::nullopt;
   continue_from(found->second, initialization);
   return found->second;
 }

@@ -16,7 +16,8 @@ class Continuation {
   void add(const PoseEstimate& dead_reckoned);
 
   /// continue_from() the pose at the oldest keyframe of a new initialization, and forgets all.
-  /// @return that pose; nothing if there is none, so that odom begins anew
+  /// @return that pose; nothing, so that odom begins anew, if there is none or its heading is
+  ///     unknown
   std::optional<PoseEstimate> apply(Initialization& initialization);
 
  private:

@@ -1,6 +1,8 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 
+#include <algorithm>
 #include <utility>
+#include <variant>
 
 namespace fleetloc {
 
@@ -12,7 +14,8 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
     : setup_(std::move(setup)),
       localizer_(localizer),
       cpu_clock_(std::move(cpu_clock)),
-      input_validator_(max_imu_step(config.odometry)),
+      max_imu_step_(max_imu_step(config.odometry)),
+      input_validator_(max_imu_step_),
       odometry_(setup_.calibration, setup_.imu_noise, config.odometry, back_end, cpu_clock_),
       fusion_(make_pose_fusion(inflated(setup_.imu_noise, config.odometry.frame_estimator.noise),
                                config.fusion)),
@@ -20,14 +23,17 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
           setup_.T_map_body, config.start, config.odometry.frame_estimator.noise.imu_gaps) {}
 
 expected<PoseEstimate, InputRejection> RobotPipeline::add_imu(const ImuSample& sample) {
-  const auto accepted = input_validator_.check_imu(sample);
+  ImuSample timed = sample;
+  timed.stamp = time_.time_of(sample.stamp);
+  const auto accepted = input_validator_.check_imu(timed);
   if (!accepted) return unexpected(accepted.error());
   for (const ImuSample& one : *accepted) predict(one);
   track_frames();
-  return latest_pose_;
+  return with_stamp(latest_pose_);
 }
 
 expected<void, InputRejection> RobotPipeline::add_frame(CameraFrame frame) {
+  std::visit([this](auto& any) { any.stamp = time_.time_of(any.stamp); }, frame);
   const auto accepted = input_validator_.check_frame(stamp_of(frame));
   if (!accepted) return accepted;
   odometry_.add_frame(std::move(frame));
@@ -35,7 +41,17 @@ expected<void, InputRejection> RobotPipeline::add_frame(CameraFrame frame) {
   return {};
 }
 
-void RobotPipeline::poll(Timestamp now) {
+// How far the clock was set is known no better than samples arrive, so nothing may be integrated
+// across: a gap that is just too long for it lets the odometry be reset by its own rule.
+void RobotPipeline::step_clock(const ClockStep& step) {
+  constexpr Duration kBeyond = std::chrono::milliseconds(1);
+  ++faults_["clock_steps"];
+  if (!last_imu_) return;
+  time_.step(step.stamp, *last_imu_ + std::max(step.unseen, max_imu_step_ + kBeyond));
+}
+
+void RobotPipeline::poll(Timestamp stamp) {
+  const Timestamp now = time_.time_of(stamp);
   if (localizer_ != nullptr) localizer_->update(now, latest_pose_.quality);
   take_window(now);
   if (localizer_ != nullptr) fuse_answers(now);
@@ -43,6 +59,7 @@ void RobotPipeline::poll(Timestamp now) {
 
 void RobotPipeline::predict(const ImuSample& sample) {
   ++imu_samples_;
+  last_imu_ = sample.stamp;
   if (!odometry_.add_imu(sample)) fusion_->interrupt();
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   latest_pose_ = fusion_->add_imu(sample);
@@ -50,7 +67,12 @@ void RobotPipeline::predict(const ImuSample& sample) {
 }
 
 void RobotPipeline::track_frames() {
-  while (const auto frame = odometry_.track_next()) frames_.push_back(fuse(*frame));
+  while (const auto frame = odometry_.track_next()) {
+    FrameOutput output = fuse(*frame);
+    output.stamp = time_.stamp_of(output.stamp);
+    output.pose = with_stamp(std::move(output.pose));
+    frames_.push_back(std::move(output));
+  }
 }
 
 FrameOutput RobotPipeline::fuse(const OdometryFrame& frame) {
@@ -78,6 +100,11 @@ void RobotPipeline::fuse(const OdometryEstimate& estimate) {
 PoseEstimate RobotPipeline::pose_at(Timestamp stamp) const {
   PoseEstimate pose = fusion_->estimate_at(stamp).value_or(latest_pose_);
   pose.stamp = stamp;
+  return pose;
+}
+
+PoseEstimate RobotPipeline::with_stamp(PoseEstimate pose) const {
+  pose.stamp = time_.stamp_of(pose.stamp);
   return pose;
 }
 
@@ -127,7 +154,10 @@ void RobotPipeline::fuse_answers(Timestamp now) {
   for (LocalizationResult& answer : localizer_->take_answers(now)) {
     const AnswerOutcome outcome = fusion_->add_answer(answer);
     if (outcome) localizer_->note_applied();
-    answers_.push_back({.answer = std::move(answer), .arrival = now, .outcome = outcome});
+    answer.stamp = time_.stamp_of(answer.stamp);
+    answer.oldest_stamp = time_.stamp_of(answer.oldest_stamp);
+    answers_.push_back(
+        {.answer = std::move(answer), .arrival = time_.stamp_of(now), .outcome = outcome});
   }
   if (auto correction = localizer_->take_correction()) {
     odometry_.add_correction(std::move(*correction));

@@ -10,8 +10,10 @@
 
 #include "robot/fusion/pose_fusion.hpp"
 #include "robot/odometry/visual_inertial_odometry.hpp"
+#include "robot/pipeline/continuous_time.hpp"
 #include "robot/pipeline/input_validator.hpp"
 #include "robot/pipeline/session_start.hpp"
+#include "robot/sensors/clock_step.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/model/camera_frame.hpp"
 #include "shared/model/map_localizer.hpp"
@@ -76,8 +78,14 @@ class RobotPipeline {
   /// calibrated size, is ignored.
   expected<void, InputRejection> add_frame(CameraFrame frame);
 
-  /// Collects results of the back end and answers of the cloud. `now` is the robot's clock.
-  void poll(Timestamp now);
+  /// The clock of the sensors was set. The odometry is reset, and a new session goes on from the
+  /// pose dead-reckoned over the time that was not seen, at least the shortest gap that resets it.
+  /// Outputs have stamps of the new clock from then on; without a step the clock may not go back.
+  void step_clock(const ClockStep& step);
+
+  /// Collects results of the back end and answers of the cloud.
+  /// @param stamp  the time of the robot's clock
+  void poll(Timestamp stamp);
 
   /// Each output is returned once, oldest first.
   std::vector<FrameOutput> take_frames() { return std::exchange(frames_, {}); }
@@ -87,8 +95,8 @@ class RobotPipeline {
   [[nodiscard]] std::uint64_t imu_samples() const { return imu_samples_; }
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of its IMU samples
   [[nodiscard]] LinkTraffic traffic() const;  ///< of its localizer; without one there is none
-  /// Counts of input faults and of their effects, by kind: those of the odometry, "refused_..." by
-  /// InputRejection, "unfused_..." (odometry) by FusionRejection, and by NoStart.
+  /// Counts of input faults and of their effects, by kind: those of the odometry, "clock_steps",
+  /// "refused_..." by InputRejection, "unfused_..." (odometry) by FusionRejection, and by NoStart.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
  private:
@@ -97,6 +105,7 @@ class RobotPipeline {
   FrameOutput fuse(const OdometryFrame& frame);
   void fuse(const OdometryEstimate& estimate);
   [[nodiscard]] PoseEstimate pose_at(Timestamp stamp) const;
+  [[nodiscard]] PoseEstimate with_stamp(PoseEstimate pose) const;
   void take_window(Timestamp now);
   void begin_odometry(const OdometryWindow& window);
   void begin_session(const OdometryWindow& window, Timestamp now);
@@ -108,6 +117,9 @@ class RobotPipeline {
   MapLocalizer* localizer_;
   CpuClock cpu_clock_;
 
+  Duration max_imu_step_;
+  ContinuousTime time_;  // of all that is below
+  std::optional<Timestamp> last_imu_;
   InputValidator input_validator_;
   VisualInertialOdometry odometry_;
   std::unique_ptr<PoseFusion> fusion_;

@@ -8,20 +8,23 @@
 #include <string>
 #include <variant>
 
+#include "robot/sensors/clock_step.hpp"
 #include "shared/model/camera_frame.hpp"
 #include "shared/model/inertial.hpp"
 
 namespace fleetloc {
 
-using SensorMeasurement = std::variant<ImuSample, CameraFrame>;
+/// One measurement, or that the clock of all that follow was set.
+using SensorMeasurement = std::variant<ImuSample, CameraFrame, ClockStep>;
 
 inline Timestamp stamp_of(const SensorMeasurement& measurement) {
   if (const auto* sample = std::get_if<ImuSample>(&measurement)) return sample->stamp;
+  if (const auto* step = std::get_if<ClockStep>(&measurement)) return step->stamp;
   return stamp_of(std::get<CameraFrame>(measurement));
 }
 
 /// Where a robot's measurements come from, whatever is behind it: a recording, the same recording
-/// with faults or in real time, a simulation. One thread at a time.
+/// with faults or in real time, a simulation, live topics. One thread at a time.
 class SensorSource {
  public:
   SensorSource() = default;

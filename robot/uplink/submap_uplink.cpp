@@ -52,9 +52,21 @@ void SubmapUplink::restart(SessionNumber session, Incarnation incarnation, std::
   record_.clear();
   planned_.reset();
   has_unsent_ = !history_.empty();
+  grant_handover();
+  sent_.reset();
+}
+
+// The localizer has nothing of what is remembered here.
+void SubmapUplink::grant_handover() {
   const auto bytes = static_cast<double>(config_.handover_datagrams * config_.max_payload_bytes);
   budget_.grant(static_cast<std::size_t>(bytes / (1.0 - std::min(loss_, kWorstLoss))));
-  sent_.reset();
+}
+
+// After an outage that was longer than the cloud's window, a localizer begins like a new one.
+bool SubmapUplink::has_lost_touch(Timestamp now) const {
+  const auto& all = history_.keyframes();
+  if (!acknowledged_ || all.size() < config_.keyframes) return false;
+  return now - *acknowledged_ > all.back().stamp - all.front().stamp;
 }
 
 void SubmapUplink::forget_deliveries() {
@@ -77,6 +89,8 @@ void SubmapUplink::acknowledge(const LocalizationResult& answer, Timestamp now) 
   const auto network_delay = sender_.acknowledge(answer, now);
   if (sender_.is_of_stream(answer)) record_.acknowledged(answer.acknowledgements);
   if (network_delay) budget_.measured(*network_delay, now);
+  if (has_lost_touch(now)) grant_handover();
+  acknowledged_ = now;
 }
 
 // The newest window alone: an older one is worth less.

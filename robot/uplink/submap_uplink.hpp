@@ -78,6 +78,8 @@ class SubmapUplink {
     std::size_t wire_bytes = 0;
   };
 
+  void grant_handover();
+  [[nodiscard]] bool has_lost_touch(Timestamp now) const;
   std::optional<Message> next_window(Timestamp now);
   std::optional<Message> next_sample(const AnswerReceipt& receipt, Timestamp now);
   std::optional<Plan> plan_newest() const;
@@ -103,7 +105,8 @@ class SubmapUplink {
   KeyframeHistory history_;
   DeliveryRecord record_;
   ByteBudget budget_;
-  double loss_ = 0.0;  // of the link, as far as it is known
+  double loss_ = 0.0;                      // of the link, as far as it is known
+  std::optional<Timestamp> acknowledged_;  // when the last answer came, of any stream
   RectifiedStereo stereo_;
   std::optional<Submap> window_;  // not sent yet, in the full encoding
   bool has_unsent_ = false;       // the newest keyframe

@@ -1,5 +1,6 @@
 #include "shared/dataset/sensor_file.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <iterator>
@@ -31,8 +32,12 @@ ConfigReader open(const std::filesystem::path& file) {
 std::vector<double> numbers(ConfigReader& reader, const std::string& key, std::size_t count) {
   auto values = reader.get<std::vector<double>>(key);
   if (values.size() != count) {
-    throw ConfigError(key + ": expected " + std::to_string(count) + " numbers instead of " +
-                      std::to_string(values.size()));
+    reader.fail(key,
+                "expected " + std::to_string(count) + " numbers instead of " +
+                    std::to_string(values.size()));
+  }
+  for (const double value : values) {
+    if (!std::isfinite(value)) reader.fail(key, "not all numbers are finite");
   }
   return values;
 }
@@ -46,35 +51,36 @@ Pose read_pose_on_rig(ConfigReader& reader) {
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
   const bool rigid = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kTolerance &&
                      R.determinant() > 0.0 && T.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0);
-  if (!rigid) throw ConfigError("T_BS: not a rigid transform");
+  if (!rigid) reader.fail("T_BS", "not a rigid transform");
   return {.R = Eigen::Quaterniond(R).normalized(), .p = T.topRightCorner<3, 1>()};
 }
 
-Camera::Distortion distortion_named(const std::string& name) {
+Camera::Distortion read_distortion(ConfigReader& reader) {
+  const auto name = reader.get<std::string>("distortion_model");
   if (name == kRadialTangential || name == "radtan") return Camera::Distortion::kRadialTangential;
   if (name == kEquidistant) return Camera::Distortion::kEquidistant;
-  throw ConfigError("distortion_model: '" + name + "' is neither " + kRadialTangential + " nor " +
-                    kEquidistant);
+  reader.fail("distortion_model",
+              "'" + name + "' is neither " + kRadialTangential + " nor " + kEquidistant);
 }
 
 Camera read_camera(ConfigReader& reader) {
   if (const auto model = reader.get<std::string>("camera_model"); model != "pinhole") {
-    throw ConfigError("camera_model: '" + model + "' is not pinhole");
+    reader.fail("camera_model", "'" + model + "' is not pinhole");
   }
   const auto resolution = reader.get<std::vector<int>>("resolution");
   if (resolution.size() != 2 || resolution[0] <= 0 || resolution[1] <= 0) {
-    throw ConfigError("resolution: expected two positive numbers");
+    reader.fail("resolution", "expected two positive numbers");
   }
   const auto intrinsics = numbers(reader, "intrinsics", 4);
   if (!(intrinsics[0] > 0.0 && intrinsics[1] > 0.0)) {
-    throw ConfigError("intrinsics: the focal length must be positive");
+    reader.fail("intrinsics", "the focal length must be positive");
   }
   const auto coefficients = numbers(reader, "distortion_coefficients", 4);
   return {.width_px = resolution[0],
           .height_px = resolution[1],
           .focal_px = {intrinsics[0], intrinsics[1]},
           .center_px = {intrinsics[2], intrinsics[3]},
-          .distortion = distortion_named(reader.get<std::string>("distortion_model")),
+          .distortion = read_distortion(reader),
           .coefficients = Eigen::Vector4d(coefficients.data())};
 }
 

@@ -40,22 +40,21 @@ std::array<double, 2> interface_bytes() {
   throw std::runtime_error("there is no wan0");
 }
 
-double received_before_sockets() {
+void wait_for_sockets() {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (std::chrono::steady_clock::now() < deadline) {
-    const std::string sockets = content_of("/proc/thread-self/net/udp");
-    const double received = interface_bytes()[0];
-    if (std::ranges::count(sockets, '\n') > 2) return received;  // beside the heading
+  while (std::ranges::count(content_of("/proc/thread-self/net/udp"), '\n') <= 2) {  // a heading
+    if (std::chrono::steady_clock::now() > deadline) {
+      throw std::runtime_error("the robot opens no socket");
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  throw std::runtime_error("the robot opens no socket");
 }
 
-// "counter packets 12 bytes 3456", if there is one
-double counter_in(const std::string& text) {
-  if (text.find("counter packets") == std::string::npos) return 0.0;
+// [bytes], of "... { packets 12 bytes 3456 }"
+double counter(const NetworkNamespace& computer, const std::string& name) {
+  const std::string text = must_run_in(computer, kNft, {"list counter ip line " + name});
   const std::string word = " bytes ";
-  return std::stod(text.substr(text.find(word, text.find("counter packets")) + word.size()));
+  return std::stod(text.substr(text.find(word) + word.size()));
 }
 
 }  // namespace
@@ -73,6 +72,7 @@ PoorLine::PoorLine(const Config& config)
     : config_(config), relay_(robots_, localizers_, config.delay) {
   impair(robots_, TunRelay::kAddressB);
   impair(localizers_, TunRelay::kAddressA);
+  must_run_in(robots_, kNft, {"add rule ip line closed counter name dropped drop"});
 }
 
 std::unique_ptr<ChildProgram> PoorLine::start(const NetworkNamespace& computer,
@@ -87,11 +87,15 @@ void PoorLine::impair(const NetworkNamespace& computer, const char* other) const
   must_run_in(computer,
               kNft,
               {"add table ip line; "
+               "add counter ip line offered; "
+               "add counter ip line dropped; "
                "add chain ip line out { type filter hook output priority 0; }; "
-               "add rule ip line out oifname wan0 counter; "
+               "add rule ip line out oifname wan0 counter name offered; "
                "add chain ip line in { type filter hook prerouting priority -300; }; "
+               "add chain ip line closed; "
                "add chain ip line loss; "
                "add rule ip line in iifname wan0 ip saddr " +
+               std::string(other) + " jump closed; add rule ip line in iifname wan0 ip saddr " +
                std::string(other) + " jump loss"});
   if (config_.bytes_per_s == 0) return;
   const std::string rate = std::to_string(8 * config_.bytes_per_s) + "bit";
@@ -116,25 +120,20 @@ void PoorLine::begin_to_lose() const {
   for (const auto* computer : {&robots_, &localizers_}) {
     must_run_in(*computer,
                 kNft,
-                {"add rule ip line loss numgen random mod 100 < " + percent + " counter drop"});
+                {"add rule ip line loss numgen random mod 100 < " + percent +
+                 " counter name dropped drop"});
   }
 }
 
-void PoorLine::ignore_received_before_sockets() {
-  const auto inside = robots_.enter();
-  before_.received = received_before_sockets();
+void PoorLine::let_robots_receive() const {
+  {
+    const auto inside = robots_.enter();
+    wait_for_sockets();
+  }
+  must_run_in(robots_, kNft, {"flush chain ip line closed"});
 }
 
 PoorLine::Counters PoorLine::counters() const {
-  Counters counters = counted();
-  counters.offered -= before_.offered;
-  counters.sent -= before_.sent;
-  counters.received -= before_.received;
-  counters.dropped -= before_.dropped;
-  return counters;
-}
-
-PoorLine::Counters PoorLine::counted() const {
   Counters counters;
   {
     const auto inside = robots_.enter();
@@ -142,8 +141,8 @@ PoorLine::Counters PoorLine::counted() const {
     counters.received = received;
     counters.sent = sent;
   }
-  counters.offered = counter_in(must_run_in(robots_, kNft, {"list chain ip line out"}));
-  counters.dropped = counter_in(must_run_in(robots_, kNft, {"list chain ip line loss"}));
+  counters.offered = counter(robots_, "offered");
+  counters.dropped = counter(robots_, "dropped");
   return counters;
 }
 

@@ -26,7 +26,7 @@ class PoorLine {
     std::chrono::milliseconds delay{0};
     int bytes_per_s = 0;  ///< 0: unlimited
   };
-  /// At the robots' end of the line [bytes of IP].
+  /// At the robots' end of the line, from the beginning [bytes of IP].
   struct Counters {
     double offered = 0.0;   ///< to the interface
     double sent = 0.0;      ///< by it
@@ -37,7 +37,7 @@ class PoorLine {
   /// Why it is not possible here; nothing if it is.
   static std::optional<std::string> why_impossible();
 
-  /// Without loss at first.
+  /// Without loss at first, but what comes to the robots is dropped until let_robots_receive().
   explicit PoorLine(const Config& config);
 
   [[nodiscard]] std::unique_ptr<ChildProgram> start_for_robots(const char* program,
@@ -51,10 +51,9 @@ class PoorLine {
 
   void begin_to_lose() const;
 
-  /// Counters count from here on.
-  void begin_to_count() { before_ = counted(); }
-  /// What has been received until a program at the robots' end opens its sockets is not counted.
-  void ignore_received_before_sockets();
+  /// As soon as a program at their end has opened its sockets: what arrives before is received by
+  /// the computer, but by no program.
+  void let_robots_receive() const;
   [[nodiscard]] Counters counters() const;
 
  private:
@@ -62,13 +61,11 @@ class PoorLine {
                                              const char* program,
                                              const Words& words);
   void impair(const NetworkNamespace& computer, const char* other) const;
-  [[nodiscard]] Counters counted() const;
 
   Config config_;
   NetworkNamespace robots_;
   NetworkNamespace localizers_;
   TunRelay relay_;
-  Counters before_;
 };
 
 }  // namespace fleetloc

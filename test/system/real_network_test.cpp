@@ -81,11 +81,10 @@ class RealNetwork : public testing::Test {
                                                       cloud_folder.string()});
     wait_for(cloud_folder / "status.csv");
     if (loses_at_once_) line.begin_to_lose();
-    line.begin_to_count();
     std::vector<std::unique_ptr<ChildProgram>> robots;
     for (const std::string& name : names) {
       robots.push_back(line.start_for_robots(FLEETLOC_ROBOT, robot(name)));
-      if (robots.size() == 1) line.ignore_received_before_sockets();
+      if (robots.size() == 1) line.let_robots_receive();
     }
     for (const std::string& name : names) wait_for_answer(out_ / name);
     if (!loses_at_once_) line.begin_to_lose();

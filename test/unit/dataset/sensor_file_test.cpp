@@ -74,11 +74,16 @@ TEST(SensorFile, ReadsTheEquidistantModel) {
 
 TEST(SensorFile, NamesWhatIsWrong) {
   EXPECT_THAT(error_of(replaced(kCamera, "radial-tangential", "fov")),
-              HasSubstr("fleetloc_sensor.yaml: distortion_model: 'fov'"));
-  EXPECT_THAT(error_of(replaced(kCamera, "0.0002, ", "")), HasSubstr("distortion_coefficients"));
-  EXPECT_THAT(error_of(replaced(kCamera, "-1.0", "1.0")), HasSubstr("T_BS: not a rigid"));
+              HasSubstr("fleetloc_sensor.yaml:15: distortion_model: 'fov'"));
+  EXPECT_THAT(error_of(replaced(kCamera, "0.0002, ", "")),
+              HasSubstr(":16: distortion_coefficients: expected 4 numbers instead of 3"));
+  EXPECT_THAT(error_of(replaced(kCamera, "-1.0", "1.0")), HasSubstr(":4: T_BS: not a rigid"));
+  EXPECT_THAT(error_of(replaced(kCamera, "-0.06", ".nan")), HasSubstr(":7: T_BS.data: not all"));
+  EXPECT_THAT(error_of(replaced(kCamera, "458.5", ".nan")), HasSubstr(":14: intrinsics: not all"));
+  EXPECT_THAT(error_of(replaced(kCamera, "457.25", "-1")), HasSubstr(":14: intrinsics: the focal"));
   EXPECT_THAT(error_of(replaced(kCamera, "rate_hz: 20", "rate_hz: 0")), HasSubstr(":11: rate_hz"));
-  EXPECT_THAT(error_of(replaced(kCamera, "pinhole", "omni")), HasSubstr("camera_model: 'omni'"));
+  EXPECT_THAT(error_of(replaced(kCamera, "pinhole", "omni")),
+              HasSubstr(":13: camera_model: 'omni'"));
   EXPECT_THAT(error_of(replaced(kCamera, "resolution", "size")), HasSubstr("resolution: missing"));
   EXPECT_THROW(read_camera_file("/nowhere/sensor.yaml"), DatasetError);
 }

@@ -88,6 +88,31 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedSoonerIfWindowsAreShorter) {
   EXPECT_DOUBLE_EQ(t, kFirst + 5.5);
 }
 
+// As the window of a session grows, the localizer sees more than at first.
+TEST_P(LockOut, AWrongFirstAnswerYieldsToThreeThatSawAllThatItSaw) {
+  const auto truth_of_growing_window = [this](double t) {
+    fed_.drive_to(t + 1.0);
+    LocalizationResult said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
+    said.oldest_stamp = answer(1.0, Pose{}).oldest_stamp;
+    return name(fed_.fusion.add_answer(said));
+  };
+  EXPECT_EQ(truth_of_growing_window(2.0), "gated");
+  EXPECT_EQ(truth_of_growing_window(2.5), "gated");
+  EXPECT_EQ(truth_of_growing_window(3.0), "restarted");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_LT(position_error(), 0.05);
+}
+
+TEST_P(LockOut, WhatEarlierWindowsSawIsNotOutweighedByOneWindow) {
+  EXPECT_TRUE(same_again(10.0).has_value());
+  for (int i = 0; i < 5; ++i) {
+    fed_.drive_to(12.0 + i);
+    LocalizationResult said = answer(11.0 + i, true_T_map_odom() * fed_.drive.pose(11.0 + i));
+    said.oldest_stamp = answer(10.0, Pose{}).oldest_stamp;
+    EXPECT_EQ(name(fed_.fusion.add_answer(said)), "gated");
+  }
+}
+
 TEST_P(LockOut, AnAlignmentThatManyWindowsConfirmedYieldsToMany) {
   for (int i = 1; i < 5; ++i) {
     EXPECT_TRUE(same_again(1.0 + 21.0 * i).has_value());

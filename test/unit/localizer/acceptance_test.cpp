@@ -68,7 +68,7 @@ class AcceptanceTest : public testing::Test {
     Acceptance acceptance = session();
     const MapFit fit = fit_of(landmarks);
     const Acceptance::Verdict fits = acceptance.check_fit(fit, true);
-    return said(fits ? acceptance.confirm(fit, kUnknown, Pose{}, 0.0) : fits);
+    return said(fits ? acceptance.confirm(fit, kUnknown, Pose{}, {}) : fits);
   }
 
  private:
@@ -80,6 +80,16 @@ class AcceptanceTest : public testing::Test {
 
 TEST_F(AcceptanceTest, TakesTheRightPlaceAtOnce) {
   EXPECT_EQ(said_at_first(landmarks_of_yard(1.0)), "accepted");
+}
+
+TEST_F(AcceptanceTest, WantsALongWindowOfARobotWhoseStartIsKnownToMetres) {
+  const MapFit fit = fit_of(landmarks_of_yard(1.0));
+  const PoseWithCovariance far_from_start{Pose{}, diagonal_covariance(0.09, 2.0)};
+  const auto said_with = [&](double window_m) {
+    return said(session().confirm(fit, far_from_start, Pose{}, {30.0 - window_m, 30.0}));
+  };
+  EXPECT_EQ(said_with(5.0), "unconfirmed");
+  EXPECT_EQ(said_with(15.0), "accepted");
 }
 
 // Half of the walls hidden by things that were put before them.
@@ -154,7 +164,7 @@ TEST_F(AcceptanceTest, IsNotLockedOutByItsInnovationGate) {
   int refused = 0;
   while (said(acceptance.check_fit(jumped, false)) == "innovation") ASSERT_LT(++refused, 20);
   EXPECT_GT(refused, 2);
-  EXPECT_EQ(said(acceptance.confirm(jumped, kUnknown, Pose{}, 0.0)), "accepted");
+  EXPECT_EQ(said(acceptance.confirm(jumped, kUnknown, Pose{}, {})), "accepted");
   EXPECT_EQ(said(acceptance.check_fit(jumped, false)), "innovation") << "the gate is as before";
 }
 

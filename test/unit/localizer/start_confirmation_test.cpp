@@ -54,6 +54,17 @@ TEST(StartConfirmation, BeginsAnewWhenTheHeadingWasWrong) {
   EXPECT_FALSE(start.take(at(15.0, 0.0), at(15.0, 0.0), 15.0, false)) << "0.75 m beside";
 }
 
+// As after 30 m from a start that was turned by some degrees, before anybody answered.
+TEST(StartConfirmation, NeedsALongWindowWhereTheStartPoseLeavesRoomForOtherPlaces) {
+  const StartConfirmation start = session();
+  const auto with_sigma = [](double m) {
+    return PoseWithCovariance{at(7.0, 0.0), diagonal_covariance(0.09, m)};
+  };
+  EXPECT_TRUE(start.is_distinct(with_sigma(0.9), 1.0));
+  EXPECT_FALSE(start.is_distinct(with_sigma(1.1), 14.0));
+  EXPECT_TRUE(start.is_distinct(with_sigma(1.1), 15.0));
+}
+
 // A robot that comes from another localizer has to drive nowhere first.
 TEST(StartConfirmation, IsImmediateWhereACertainStartPoseSaysTheSame) {
   const StartConfirmation start = session();
