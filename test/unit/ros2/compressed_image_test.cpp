@@ -1,0 +1,64 @@
+#include <opencv2/imgcodecs.hpp>
+
+#include "test/unit/ros2/samples.hpp"
+
+namespace fleetloc {
+namespace {
+
+using File = std::vector<std::uint8_t>;
+
+Bytes message_with(const File& file) {
+  sensor_msgs::msg::dds_::CompressedImage_ message;
+  message.header(to_ros2(some_header()));
+  message.format("whatever");
+  message.data(file);
+  return to_ros2_cdr(message);
+}
+
+File file_of(const cv::Mat& image, const char* extension) {
+  File file;
+  cv::imencode(extension, image, file);
+  return file;
+}
+
+TEST(Ros2CompressedImage, APngIsReadExactly) {
+  const ImageMessage image = some_image(33, 20);
+  const auto received = decode_compressed_image(message_with(file_of(image.gray, ".png"))).value();
+  EXPECT_EQ(received.header.stamp, some_header().stamp);
+  EXPECT_EQ(received.header.frame, some_header().frame);
+  EXPECT_TRUE(same_pixels(received.gray, image.gray));
+}
+
+TEST(Ros2CompressedImage, AJpegIsReadNearly) {
+  const cv::Mat gray(24, 40, CV_8UC1, cv::Scalar(120));
+  const cv::Mat received =
+      decode_compressed_image(message_with(file_of(gray, ".jpg"))).value().gray;
+  ASSERT_EQ(received.size(), gray.size());
+  EXPECT_LE(cv::norm(received, gray, cv::NORM_INF), 2.0);
+}
+
+TEST(Ros2CompressedImage, OtherFilesAreRefused) {
+  const File bmp = file_of(some_image().gray, ".bmp");
+  for (const File& file : {File{}, File{0xff}, File(100, 0), bmp}) {
+    expect_refused(decode_compressed_image(message_with(file)), "unknown_encoding");
+  }
+}
+
+TEST(Ros2CompressedImage, ACutJpegIsRefused) {
+  const File file = file_of(some_image(64, 64).gray, ".jpg");
+  for (std::size_t length = 3; length < file.size(); ++length) {
+    const File cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length));
+    expect_refused(decode_compressed_image(message_with(cut)), "damaged_image");
+  }
+}
+
+TEST(Ros2CompressedImage, ASizeIsRefusedBeforeItIsDecoded) {
+  File png = file_of(some_image().gray, ".png");
+  png[16] = 0x7f;  // the highest byte of its width
+  expect_refused(decode_compressed_image(message_with(png)), "too_many_pixels");
+  std::fill(png.begin() + 16, png.begin() + 20, std::uint8_t{0});
+  expect_refused(decode_compressed_image(message_with(png)), "empty_image");
+}
+
+}  // namespace
+}  // namespace fleetloc
