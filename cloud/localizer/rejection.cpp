@@ -18,8 +18,6 @@ std::string_view name(Rejection rejection) {
       return "disagreement";
     case kNotSolved:
       return "not_solved";
-    case kNotSettled:
-      return "not_settled";
     case kPoorFit:
       return "poor_fit";
     case kBelowGround:
@@ -48,7 +46,6 @@ LocalizationStatus status_of(Rejection rejection) {
     case kDisagreement:
       return LocalizationStatus::kTooFewMatches;
     case kNotSolved:
-    case kNotSettled:
     case kInnovation:
       return LocalizationStatus::kNotConverged;
     case kPoorFit:

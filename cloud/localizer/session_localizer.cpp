@@ -109,8 +109,8 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     problem_.set_matches(fit.association.matches);
     fit.add(problem_.solve(until.iterations, until.min_decrease));
     if (!fit.is_solved) break;
-    fit.moved_m = local_coordinates(before, problem_.pose(newest)).norm();
-    if (gate_m <= rounds.final_gate_m && fit.moved_m < until.settled_m) break;
+    const double moved_m = local_coordinates(before, problem_.pose(newest)).norm();
+    if (gate_m <= rounds.final_gate_m && moved_m < until.settled_m) break;
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
