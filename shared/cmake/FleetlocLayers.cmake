@@ -4,7 +4,7 @@
 # #include by the test `layers`.
 set(FLEETLOC_LAYERS
     "shared/core idl idl/ros2"
-    "shared/geometry shared/concurrency shared/config shared/coding"
+    "shared/geometry shared/concurrency shared/config shared/coding shared/cdr"
     "shared/model shared/link shared/transport/workarounds"
     "shared/factors shared/wire shared/ros2 shared/transport shared/trajectory shared/dataset"
     "shared/compact"
@@ -26,8 +26,8 @@ set(FLEETLOC_LAYERS
 string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/(ros2|workarounds))?"
-    "fastcdr/=shared/(ros2|wire)" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds)?"
+    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)
   set(index 0)

@@ -78,7 +78,7 @@ Bytes encode(const CameraInfoMessage& message) {
   info.roi().y_offset(message.region.y_px);
   info.roi().height(message.region.height_px);
   info.roi().width(message.region.width_px);
-  return to_ros2_cdr(info);
+  return to_cdr(info);
 }
 
 Ros2Decoded<CameraInfoMessage> decode_camera_info(std::span<const std::uint8_t> bytes) {

@@ -34,7 +34,7 @@ Bytes encode(const DiagnosticsMessage& message) {
   for (const DiagnosticStatus& status : message.statuses) {
     array.status().push_back(to_ros2(status));
   }
-  return to_ros2_cdr(array);
+  return to_cdr(array);
 }
 
 }  // namespace fleetloc

@@ -27,7 +27,7 @@ Bytes encode(const ImageMessage& message) {
   image.is_bigendian(0);
   image.step(static_cast<std::uint32_t>(gray.cols));
   image.data(std::vector<std::uint8_t>(gray.data, gray.data + gray.total()));
-  return to_ros2_cdr(image);
+  return to_cdr(image);
 }
 
 Ros2Decoded<ImageMessage> decode_image(std::span<const std::uint8_t> bytes) {

@@ -40,7 +40,7 @@ Bytes encode(const ImuMessage& message) {
   imu.angular_velocity_covariance({});
   imu.linear_acceleration(to_ros2(message.sample.specific_force));
   imu.linear_acceleration_covariance({});
-  return to_ros2_cdr(imu);
+  return to_cdr(imu);
 }
 
 Ros2Decoded<ImuMessage> decode_imu(std::span<const std::uint8_t> bytes) {

@@ -45,7 +45,7 @@ Bytes encode(const PointCloudMessage& message) {
   if (!message.points.empty()) {
     std::memcpy(cloud.data().data(), message.points.data(), cloud.data().size());
   }
-  return to_ros2_cdr(cloud);
+  return to_cdr(cloud);
 }
 
 }  // namespace fleetloc

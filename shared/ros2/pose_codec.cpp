@@ -43,7 +43,7 @@ Bytes encode(const PoseMessage& message) {
   PoseWithCovarianceStamped_ stamped;
   stamped.header(to_ros2(message.header));
   stamped.pose(pose_with_covariance(message));
-  return to_ros2_cdr(stamped);
+  return to_cdr(stamped);
 }
 
 Bytes encode(const OdometryMessage& message) {
@@ -54,7 +54,7 @@ Bytes encode(const OdometryMessage& message) {
   odometry.twist().twist().linear(to_ros2(message.v_b));
   odometry.twist().twist().angular(to_ros2(message.angular_velocity));
   odometry.twist().covariance(to_ros2_twist_covariance(message.twist_covariance));
-  return to_ros2_cdr(odometry);
+  return to_cdr(odometry);
 }
 
 Bytes encode(const std::vector<TransformMessage>& transforms) {
@@ -62,7 +62,7 @@ Bytes encode(const std::vector<TransformMessage>& transforms) {
   for (const TransformMessage& transform : transforms) {
     message.transforms().push_back(transform_stamped(transform));
   }
-  return to_ros2_cdr(message);
+  return to_cdr(message);
 }
 
 Ros2Decoded<PoseMessage> decode_pose(std::span<const std::uint8_t> bytes) {

@@ -32,7 +32,7 @@ cv::Mat seen(const std::string& pattern, Color left, Color right) {
       data.push_back(channel(x < kSize / 2 ? left : right, pattern[2 * (y % 2) + x % 2]));
     }
   }
-  return decode_image(to_ros2_cdr(raw_image(kSize, kSize, "bayer_" + pattern + "8", data)))
+  return decode_image(to_cdr(raw_image(kSize, kSize, "bayer_" + pattern + "8", data)))
       .value()
       .gray;
 }
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Patterns,
 TEST(SmallBayer, AnImageOfOnePixelDoesNotThrow) {
   for (const std::uint32_t size : {1U, 2U, 3U}) {
     const std::vector<std::uint8_t> data(std::size_t{size} * size, 50);
-    const auto bytes = to_ros2_cdr(raw_image(size, size, "bayer_rggb8", data));
+    const auto bytes = to_cdr(raw_image(size, size, "bayer_rggb8", data));
     EXPECT_NO_THROW((void)decode_image(bytes)) << size;
   }
 }

@@ -12,7 +12,7 @@ void expect_info_refused(std::string_view reason,
                          const std::function<void(CameraInfo_&)>& corrupt) {
   CameraInfo_ info = from_ros2_cdr<CameraInfo_>(encode(some_camera_info())).value();
   corrupt(info);
-  expect_refused(decode_camera_info(to_ros2_cdr(info)), reason);
+  expect_refused(decode_camera_info(to_cdr(info)), reason);
 }
 
 TEST(Ros2CameraInfo, RoundTripPreservesEveryField) {
@@ -51,7 +51,7 @@ TEST(Ros2CameraInfo, ABinningOfZeroIsOne) {
   CameraInfo_ info = from_ros2_cdr<CameraInfo_>(encode(some_camera_info())).value();
   info.binning_x(0);
   info.binning_y(0);
-  const CameraInfoMessage received = decode_camera_info(to_ros2_cdr(info)).value();
+  const CameraInfoMessage received = decode_camera_info(to_cdr(info)).value();
   EXPECT_EQ(received.binning_x, 1U);
   EXPECT_EQ(received.binning_y, 1U);
 }

@@ -12,7 +12,7 @@ Bytes message_with(const File& file) {
   message.header(to_ros2(some_header()));
   message.format("whatever");
   message.data(file);
-  return to_ros2_cdr(message);
+  return to_cdr(message);
 }
 
 File file_of(const cv::Mat& image, const char* extension) {

@@ -32,7 +32,7 @@ TEST(Ros2Fuzz, ImagesAreRefusedOrDecoded) {
 
 TEST(Ros2Fuzz, BayerImagesAreRefusedOrDecoded) {
   const auto raw = raw_image(4, 4, "bayer_rggb8", std::vector<std::uint8_t>(16, 90));
-  EXPECT_GT(fuzz(to_ros2_cdr(raw), decode_image), 0);
+  EXPECT_GT(fuzz(to_cdr(raw), decode_image), 0);
 }
 
 TEST(Ros2Fuzz, ImusAreRefusedOrDecoded) {
@@ -52,7 +52,7 @@ TEST(Ros2Fuzz, CompressedImagesAreRefusedOrDecoded) {
     sensor_msgs::msg::dds_::CompressedImage_ message;
     message.header(to_ros2(some_header()));
     cv::imencode(extension, some_image(16, 16).gray, message.data());
-    EXPECT_GT(fuzz(to_ros2_cdr(message), decode_compressed_image), 0) << extension;
+    EXPECT_GT(fuzz(to_cdr(message), decode_compressed_image), 0) << extension;
   }
 }
 

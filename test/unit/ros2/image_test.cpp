@@ -11,11 +11,11 @@ using sensor_msgs::msg::dds_::Image_;
 void expect_image_refused(std::string_view reason, const std::function<void(Image_&)>& corrupt) {
   Image_ image = raw_image(4, 3, "mono8", std::vector<std::uint8_t>(12, 9));
   corrupt(image);
-  expect_refused(decode_image(to_ros2_cdr(image)), reason);
+  expect_refused(decode_image(to_cdr(image)), reason);
 }
 
 cv::Mat decoded(const Image_& image) {
-  return decode_image(to_ros2_cdr(image)).value().gray;
+  return decode_image(to_cdr(image)).value().gray;
 }
 
 TEST(Ros2Image, RoundTripPreservesEveryField) {

@@ -14,7 +14,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 void expect_imu_refused(std::string_view reason, const std::function<void(Imu_&)>& corrupt) {
   Imu_ imu = from_ros2_cdr<Imu_>(encode(some_imu())).value();
   corrupt(imu);
-  expect_refused(decode_imu(to_ros2_cdr(imu)), reason);
+  expect_refused(decode_imu(to_cdr(imu)), reason);
 }
 
 TEST(Ros2Imu, RoundTripPreservesEveryField) {

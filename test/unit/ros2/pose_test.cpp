@@ -18,7 +18,7 @@ void expect_pose_refused(std::string_view reason,
                          const std::function<void(PoseWithCovarianceStamped_&)>& corrupt) {
   PoseWithCovarianceStamped_ pose = some_stamped();
   corrupt(pose);
-  expect_refused(decode_pose(to_ros2_cdr(pose)), reason);
+  expect_refused(decode_pose(to_cdr(pose)), reason);
 }
 
 TEST(Ros2Pose, RoundTripPreservesEveryField) {
@@ -59,7 +59,7 @@ TEST(Ros2Pose, AQuaternionFarFromUnitLengthIsRefused) {
 TEST(Ros2Pose, AQuaternionNearUnitLengthIsNormalized) {
   PoseWithCovarianceStamped_ pose = some_stamped();
   pose.pose().pose().orientation(to_ros2(Eigen::Quaterniond(1.005, 0.0, 0.0, 0.0)));
-  EXPECT_EQ(decode_pose(to_ros2_cdr(pose)).value().T_a_b.R.w(), 1.0);
+  EXPECT_EQ(decode_pose(to_cdr(pose)).value().T_a_b.R.w(), 1.0);
 }
 
 TEST(Ros2Pose, AMatrixThatIsNoCovarianceIsRefused) {

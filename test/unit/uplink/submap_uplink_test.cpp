@@ -150,7 +150,7 @@ TEST_F(UplinkTest, AfterAnOutageTheLatestFortyKeyframesArrive) {
   drive(60, 1.0);
   EXPECT_LT(stored_share(), 0.1);
   drive(3, 0.0);
-  EXPECT_GT(stored_share(), 0.95) << "after one and a half";
+  EXPECT_GT(stored_share(), 0.95) << "1.5 s after its end";
 }
 
 TEST_F(UplinkTest, AnotherLocalizerGetsAllKeyframesWithinSeconds) {
