@@ -128,6 +128,7 @@ void RunFolder::count_coverage(const PoseEstimate& pose) {
 
 void RunFolder::add_answer(const AnswerRecord& answer) {
   ++counted_.answers_received;
+  if (!first_answer_) first_answer_ = answer.arrival;
   const std::string status(name(answer.status));
   if (answer.applied) {
     ++counted_.answers_applied;
@@ -149,6 +150,7 @@ void RunFolder::finish(RunSummary summary) {
   if (first_frame_) {
     times.duration_s = to_seconds(last_frame_ - *first_frame_);
     if (first_pose_) times.first_pose_s = to_seconds(*first_pose_ - *first_frame_);
+    if (first_answer_) times.first_answer_s = to_seconds(*first_answer_ - *first_frame_);
     if (first_localization_) {
       times.first_localization_s = to_seconds(*first_localization_ - *first_frame_);
     }

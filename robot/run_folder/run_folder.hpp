@@ -77,7 +77,7 @@ class RunFolder {
   void add_answer(const AnswerRecord& answer);
 
   /// Writes summary.json: the given figures, and those that follow from the records (frames,
-  /// answers, duration, first pose and localization, coverage).
+  /// answers, duration, first pose, answer and localization, coverage).
   void finish(RunSummary summary);
 
  private:
@@ -95,6 +95,7 @@ class RunFolder {
   std::optional<Timestamp> first_frame_;
   Timestamp last_frame_;
   std::optional<Timestamp> first_pose_;
+  std::optional<Timestamp> first_answer_;
   std::optional<Timestamp> first_localization_;
   std::uint64_t frames_since_first_pose_ = 0;
   std::uint64_t covered_frames_ = 0;

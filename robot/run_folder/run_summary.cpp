@@ -44,6 +44,7 @@ json to_json(const RunSummary& summary, const RunTimes& times) {
           {"backend_ms", percentiles(summary.backend_ms)},
           {"fusion_us_per_imu", summary.fusion_us_per_imu},
           {"first_pose_s", optional(times.first_pose_s)},
+          {"first_answer_s", optional(times.first_answer_s)},
           {"first_localization_s", optional(times.first_localization_s)},
           {"coverage", optional(times.coverage)},
           {"resets", summary.resets},

@@ -12,6 +12,7 @@ namespace fleetloc {
 struct RunTimes {
   double duration_s = 0.0;
   std::optional<double> first_pose_s;          ///< since the first frame
+  std::optional<double> first_answer_s;        ///< of any status, since the first frame
   std::optional<double> first_localization_s;  ///< since the first frame
   std::optional<double> coverage;
 };

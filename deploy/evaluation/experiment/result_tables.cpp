@@ -97,6 +97,7 @@ std::string traffic_table(const Plan& plan, const std::vector<Group>& groups) {
       return cell(mean_of(group, &Result::summary, pointer));
     };
     row.push_back(summary("/answers_applied") + " / " + summary("/answers_received"));
+    row.push_back(summary("/first_answer_s"));
     row.push_back(summary("/first_localization_s"));
     row.push_back(summary("/resets"));
     row.push_back(cell(mean_of(group, &Result::session, "/optimize_ms/p50")));
@@ -111,6 +112,7 @@ std::string traffic_table(const Plan& plan, const std::vector<Group>& groups) {
                                          "up, wire [kB/s]",
                                          "down, wire [kB/s]",
                                          "answers applied",
+                                         "first answer [s]",
                                          "first localized [s]",
                                          "resets",
                                          "optimization p50 [ms]",

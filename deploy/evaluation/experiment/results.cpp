@@ -51,6 +51,7 @@ constexpr std::array kFigures{
     Column{"submaps_sent", kSummary, "/submaps_sent"},
     Column{"answers_applied", kSummary, "/answers_applied"},
     Column{"answers_received", kSummary, "/answers_received"},
+    Column{"first_answer_s", kSummary, "/first_answer_s"},
     Column{"first_localization_s", kSummary, "/first_localization_s"},
     Column{"resets", kSummary, "/resets"},
     Column{"optimize_p50_ms", kSession, "/optimize_ms/p50"},

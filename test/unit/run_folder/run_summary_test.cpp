@@ -39,6 +39,7 @@ TEST_F(Summary, HasEveryKeyEvenOfARunWithoutFrames) {
                           "backend_ms",
                           "fusion_us_per_imu",
                           "first_pose_s",
+                          "first_answer_s",
                           "first_localization_s",
                           "coverage",
                           "resets",
@@ -47,6 +48,7 @@ TEST_F(Summary, HasEveryKeyEvenOfARunWithoutFrames) {
   }
   EXPECT_EQ(json.at("cpu_ms_per_frame"), 0.0);
   EXPECT_TRUE(json.at("first_pose_s").is_null());
+  EXPECT_TRUE(json.at("first_answer_s").is_null());
   EXPECT_TRUE(json.at("first_localization_s").is_null());
   EXPECT_TRUE(json.at("coverage").is_null());
   EXPECT_TRUE(json.at("tracking_ms").at("p50").is_null());
@@ -91,11 +93,17 @@ TEST_F(Summary, CountsTimesFromTheFirstFrame) {
   run.add_frame(frame(10.0, Quality::kInitializing));
   run.add_frame(
       {.pose = pose_estimate(11.5, Quality::kLost, 0.0, false), .round_trip = std::nullopt});
+  for (const double arrival_s : {12.0, 12.5}) {
+    AnswerRecord refused = answer(LocalizationStatus::kTooFewMatches, "");
+    refused.arrival = at(arrival_s);
+    run.add_answer(refused);
+  }
   run.add_frame(frame(13.0, Quality::kLocalized));
   run.add_frame(frame(14.0, Quality::kLocalized));
   run.finish({});
   const auto json = summary();
   EXPECT_EQ(json.at("frames"), 4);
+  EXPECT_THAT(json.at("first_answer_s").get<double>(), DoubleNear(2.0, kNanosecond));
   EXPECT_THAT(json.at("duration_s").get<double>(), DoubleNear(4.0, kNanosecond));
   EXPECT_THAT(json.at("first_pose_s").get<double>(), DoubleNear(1.5, kNanosecond));
   EXPECT_THAT(json.at("first_localization_s").get<double>(), DoubleNear(3.0, kNanosecond));
