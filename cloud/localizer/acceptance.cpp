@@ -42,6 +42,8 @@ Acceptance::Verdict Acceptance::check_matches(const Association& association) co
 Acceptance::Verdict Acceptance::check_fit(const MapFit& fit, bool is_start) {
   if (const Verdict matched = check_matches(fit.association); !matched) return matched;
   if (!fit.is_solved) return unexpected(kNotSolved);
+  // Nothing around a first place holds it there while it still moves.
+  if (is_start && fit.moved_m > config_.max_start_motion_m) return unexpected(kNotSettled);
   // Next to the right place the matches lie within the gate, but beside the surfaces.
   if (fit.median_residual > config_.max_median_residual) return unexpected(kPoorFit);
   if (is_below_ground(fit.association)) return unexpected(kBelowGround);
@@ -147,6 +149,7 @@ Acceptance::Config read_acceptance_config(ConfigReader section) {
           .min_covered_share = section.positive("min_covered_share"),
           .min_agreement = section.number("min_agreement", 0.0, 1.0),
           .max_below_ground_share = section.number("max_below_ground_share", 0.0, 1.0),
+          .max_start_motion_m = section.positive("max_start_motion_m"),
           .max_median_residual = section.positive("max_median_residual"),
           .innovation_gate_sigmas = section.positive("innovation_gate_sigmas"),
           .innovation_floor_m = section.positive("innovation_floor_m"),

@@ -79,6 +79,7 @@ class Acceptance {
     double min_covered_share;       ///< of the eligible landmarks
     double min_agreement;           ///< matched share of the landmarks that are not on the ground
     double max_below_ground_share;  ///< of the landmarks on or under level ground
+    double max_start_motion_m;      ///< of a first place in the last round
     double max_median_residual;     ///< of the matches, in standard deviations
     double innovation_gate_sigmas;  ///< from what odometry predicts
     double innovation_floor_m;      ///< added to the sigmas of that prediction

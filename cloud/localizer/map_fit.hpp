@@ -16,6 +16,7 @@ struct MapFit {
   int rounds = 0;                  ///< that came to an optimization
   int iterations = 0;              ///< of the solver, in all rounds
   double cost = 0.0;               ///< E_loc at the end
+  double moved_m = 0.0;            ///< the newest keyframe in the last round [m, rad]
   Pose T_map_body;                 ///< of the newest keyframe
   double median_residual = 0.0;    ///< of the matches, in standard deviations
   double innovation_sigmas = 0.0;  ///< see Acceptance::innovation_sigmas()

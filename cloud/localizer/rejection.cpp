@@ -18,6 +18,8 @@ std::string_view name(Rejection rejection) {
       return "disagreement";
     case kNotSolved:
       return "not_solved";
+    case kNotSettled:
+      return "not_settled";
     case kPoorFit:
       return "poor_fit";
     case kBelowGround:
@@ -46,6 +48,7 @@ LocalizationStatus status_of(Rejection rejection) {
     case kDisagreement:
       return LocalizationStatus::kTooFewMatches;
     case kNotSolved:
+    case kNotSettled:
     case kInnovation:
       return LocalizationStatus::kNotConverged;
     case kPoorFit:

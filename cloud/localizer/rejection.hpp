@@ -14,6 +14,7 @@ enum class Rejection {
   kTooFewMatches,
   kDisagreement,  ///< too few of the landmarks off the ground are matched
   kNotSolved,     ///< the optimization failed
+  kNotSettled,    ///< a first place that moves on with every round
   kPoorFit,       ///< the matches are too far from the map
   kBelowGround,   ///< too many landmarks would lie below the ground
   kInnovation,    ///< too far from where the odometry says that the robot is

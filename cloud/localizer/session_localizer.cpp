@@ -4,12 +4,18 @@
 #include <cassert>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 namespace fleetloc {
 namespace {
 
 constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
 constexpr std::size_t kBytesPerLandmark = 900;
+
+// [rad, m], as one number.
+double distance(const Pose& from, const Pose& to) {
+  return local_coordinates(from, to).norm();
+}
 
 }  // namespace
 
@@ -93,12 +99,14 @@ Pose SessionLocalizer::align(const Prediction& prediction) const {
 }
 
 // Rounds of association and optimization of E_loc (eq. 16), with a gate that shrinks. They end
-// where the pose has settled, or where acceptance will reject the window.
+// where the pose comes back to a place where it was: it has settled, or goes to and fro for ever;
+// or where acceptance will reject the window.
 MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
   const auto& rounds = config_.rounds;
   const Convergence& until = prediction.is_rough ? rounds.rough : rounds.tracking;
   const KeyframeId newest = database_.newest().item.id;
   MapFit fit;
+  std::vector<Pose> visited;  // at the final gate
   double gate_m = rounds.tracking_gate_m;
   for (int round = 0; round < until.max_rounds; ++round) {
     const Pose before = problem_.pose(newest);
@@ -109,12 +117,18 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     problem_.set_matches(fit.association.matches);
     fit.add(problem_.solve(until.iterations, until.min_decrease));
     if (!fit.is_solved) break;
-    const double moved_m = local_coordinates(before, problem_.pose(newest)).norm();
-    if (gate_m <= rounds.final_gate_m && moved_m < until.settled_m) break;
+    fit.T_map_body = problem_.pose(newest);
+    fit.moved_m = distance(before, fit.T_map_body);
+    if (gate_m <= rounds.final_gate_m) {
+      visited.push_back(before);
+      const auto is_here = [&](const Pose& place) {
+        return distance(place, fit.T_map_body) < until.settled_m;
+      };
+      if (std::ranges::any_of(visited, is_here)) break;
+    }
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
-  fit.T_map_body = problem_.pose(newest);
   fit.median_residual =
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);

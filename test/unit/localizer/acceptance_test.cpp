@@ -145,6 +145,13 @@ TEST_F(AcceptanceTest, RefusesWhatTheSolverCouldNotSolve) {
   EXPECT_EQ(said(session().check_fit(fit, false)), "not_solved");
 }
 
+TEST_F(AcceptanceTest, RefusesAFirstPlaceThatMovesOnWithEveryRound) {
+  MapFit fit = fit_of(landmarks_of_yard(1.0));
+  fit.moved_m = 0.03;
+  EXPECT_EQ(said(session().check_fit(fit, true)), "not_settled");
+  EXPECT_EQ(said(session().check_fit(fit, false)), "accepted") << "the odometry holds it";
+}
+
 TEST_F(AcceptanceTest, RefusesAJumpThatTheOdometryDidNotSee) {
   const MapFit fit = fit_at({Eigen::Quaterniond::Identity(), {1.5, 0.0, 0.0}});
   EXPECT_EQ(said(session().check_fit(fit, false)), "innovation");
