@@ -9,14 +9,6 @@ namespace {
 
 constexpr std::size_t kManyQueues = 1000;  // then those are dropped in which nothing waits
 
-template <typename Value>
-void append(const Value& value, DiscoveryDatagram& datagram) {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
-  for (auto* part : {&datagram.subject, &datagram.statement}) {
-    part->insert(part->end(), bytes, bytes + sizeof(value));
-  }
-}
-
 }  // namespace
 
 void DiscoveryPacing::send_later(RtpsBytes bytes,
@@ -25,9 +17,7 @@ void DiscoveryPacing::send_later(RtpsBytes bytes,
                                  const std::function<void()>& send,
                                  DelayLine& line) {
   auto datagram = DiscoveryDatagram::read(bytes);
-  append(socket, *datagram);
-  append(to.address, *datagram);
-  append(to.port, *datagram);
+  datagram->address_to(socket, to);
   const auto queue = queue_to(to);
   const std::size_t wire_bytes = bytes.size() + kIpUdpBytes;
   const auto now = DelayLine::Clock::now();

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 
 #include "shared/transport/workarounds/rtps_message.hpp"
 
@@ -16,6 +17,12 @@ class OwnDatagrams {
 
   /// False until it has sent one.
   [[nodiscard]] bool includes(RtpsBytes datagram) const;
+
+  /// Of the participant; nothing until it has sent one.
+  [[nodiscard]] std::optional<GuidPrefix> prefix() const {
+    if (!is_known_.load(std::memory_order_acquire)) return std::nullopt;
+    return prefix_;
+  }
 
   /// Of any participant of this process, whose GUID prefixes begin alike; false until it has sent
   /// one.

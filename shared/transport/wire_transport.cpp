@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -15,7 +17,9 @@
 #include "shared/transport/discovery_pacing.hpp"
 #include "shared/transport/locators.hpp"
 #include "shared/transport/own_datagrams.hpp"
+#include "shared/transport/workarounds/announcement_repetition.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
+#include "shared/transport/workarounds/discovery_repetition.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
@@ -29,7 +33,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatience{100};  // with a socket, for what is sent later
+constexpr std::chrono::milliseconds kPatience{100};      // with a socket, for what is sent later
+constexpr std::chrono::milliseconds kBetweenCopies{25};  // so that one burst does not take them all
 
 bool transmit(rtps::SenderResource& socket,
               RtpsBytes datagram,
@@ -59,6 +64,30 @@ class Descriptor final : public fdr::ChainingTransportDescriptor {
   std::shared_ptr<WireLink> link_;
 };
 
+/// How this participant announced itself last, and where to. Any thread may use any function.
+class LatestAnnouncement {
+ public:
+  void sent(RtpsBytes datagram, const fdr::LocatorList& destinations) {
+    if (!participant_sample_in(datagram)) return;
+    const std::lock_guard lock(mutex_);
+    datagram_.clear();  // nobody who has said that he goes is announced again
+    if (!is_announcement(datagram)) return;
+    datagram_.assign(datagram.begin(), datagram.end());
+    destinations_ = destinations;
+  }
+
+  /// Empty until there is one.
+  [[nodiscard]] std::pair<std::vector<std::uint8_t>, fdr::LocatorList> latest() const {
+    const std::lock_guard lock(mutex_);
+    return {datagram_, destinations_};
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::uint8_t> datagram_;  // guarded by mutex_
+  fdr::LocatorList destinations_;       // guarded by mutex_
+};
+
 /// Calls what observes, selects or delays datagrams, in the order of shared/README.md, "How a
 /// datagram passes". Fast DDS uses one from several threads: those of writers and of events send,
 /// one a socket receives.
@@ -70,8 +99,7 @@ class Transport final : public fdr::ChainingTransport {
         has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
         discovery_(link_->role, link_->max_discovery_bytes_per_s),
-        delay_line_(link_->emulated || discovery_.is_limited() ? std::make_unique<DelayLine>()
-                                                               : nullptr) {}
+        repetition_(link_->max_discovery_copies) {}
   ~Transport() override { stop(); }
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
@@ -101,9 +129,7 @@ class Transport final : public fdr::ChainingTransport {
                const rtps::Locator_t& remote) override;
 
  private:
-  void stop() {
-    if (delay_line_) delay_line_->stop();
-  }
+  void stop() { delay_line_.stop(); }
 
   /// The destinations that a datagram is sent to: the first two steps.
   fdr::LocatorList useful(RtpsBytes datagram,
@@ -117,6 +143,22 @@ class Transport final : public fdr::ChainingTransport {
     return link_->answered_heartbeats.includes(datagram, to) ||
            !link_->silent_servers.passes(to, now);
   }
+  bool send_as_often_as_needed(rtps::SenderResource* socket,
+                               RtpsBytes datagram,
+                               const fdr::LocatorList& destinations,
+                               Clock::time_point timeout);
+  /// Whoever has been heard and does not know this participant.
+  void announce_to_strangers(RtpsBytes datagram, Clock::time_point now);
+  void announce_again(const GuidPrefix& to, Clock::time_point due);
+  /// For later, to one destination; copies the datagram.
+  std::function<void()> passed_on(rtps::SenderResource* socket,
+                                  RtpsBytes datagram,
+                                  const rtps::Locator_t& to);
+  /// More of what discovery has to say again.
+  void send_copies(rtps::SenderResource* socket,
+                   RtpsBytes datagram,
+                   const fdr::LocatorList& destinations,
+                   Clock::time_point now);
   /// What comes behind the selection of destinations.
   bool pass_on(rtps::SenderResource* socket,
                RtpsBytes datagram,
@@ -156,7 +198,10 @@ class Transport final : public fdr::ChainingTransport {
   InitialAckPacing initial_acks_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   DiscoveryPacing discovery_;
-  std::unique_ptr<DelayLine> delay_line_;  // last, so that it ends before what it uses
+  DiscoveryRepetition repetition_;
+  AnnouncementRepetition strangers_;
+  LatestAnnouncement announcement_;
+  DelayLine delay_line_;  // last, so that it ends before what it uses
 };
 
 // Fast DDS sends to every address of a participant. A datagram to an unreachable network never
@@ -198,17 +243,52 @@ bool Transport::send(rtps::SenderResource* socket,
   own_.sent(datagram);
   if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
-  if (!discovery_.limits(datagram)) return pass_on(socket, datagram, destinations, timeout);
+  if (socket == first_socket_) announcement_.sent(datagram, destinations);
+  return send_as_often_as_needed(socket, datagram, destinations, timeout);
+}
+
+// Discovery is repeated where it is lost, and waits where the profile limits it.
+bool Transport::send_as_often_as_needed(rtps::SenderResource* socket,
+                                        RtpsBytes datagram,
+                                        const fdr::LocatorList& destinations,
+                                        Clock::time_point timeout) {
+  if (!discovery_.limits(datagram)) {
+    send_copies(socket, datagram, destinations, Clock::now());
+    return pass_on(socket, datagram, destinations, timeout);
+  }
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    const auto send = [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
-      fdr::LocatorList destination;
-      destination.push_back(to);
-      pass_on(socket, copy, destination, Clock::now() + kPatience);
-    };
-    discovery_.send_later(datagram, socket, locator_of(to), send, *delay_line_);
+    const auto send = passed_on(socket, datagram, to);
+    discovery_.send_later(datagram, socket, locator_of(to), send, delay_line_);
   }
   return true;
+}
+
+std::function<void()> Transport::passed_on(rtps::SenderResource* socket,
+                                           RtpsBytes datagram,
+                                           const rtps::Locator_t& to) {
+  return [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
+    fdr::LocatorList destination;
+    destination.push_back(to);
+    pass_on(socket, copy, destination, Clock::now() + kPatience);
+  };
+}
+
+void Transport::send_copies(rtps::SenderResource* socket,
+                            RtpsBytes datagram,
+                            const fdr::LocatorList& destinations,
+                            Clock::time_point now) {
+  if (participant_sample_in(datagram)) return;  // as often as the profile says
+  const auto discovery = DiscoveryDatagram::read(datagram);
+  if (!discovery) return;
+  for (const rtps::Locator_t& to : destinations) {
+    if (!sends(socket, to)) continue;
+    DiscoveryDatagram addressed = *discovery;
+    addressed.address_to(socket, locator_of(to));
+    for (int i = repetition_.copies(addressed, now) - 1; i > 0; --i) {
+      delay_line_.at(now + i * kBetweenCopies, passed_on(socket, datagram, to));
+    }
+  }
 }
 
 bool Transport::pass_on(rtps::SenderResource* socket,
@@ -245,7 +325,7 @@ void Transport::send_later(rtps::SenderResource* socket,
                            RtpsBytes datagram,
                            const rtps::Locator_t& to,
                            Clock::time_point due) {
-  delay_line_->at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
+  delay_line_.at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
     fdr::LocatorList destination;
     destination.push_back(to);
     transmit(*socket, copy, destination, Clock::now() + kPatience);
@@ -280,7 +360,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   }
   if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
   for (const Clock::time_point due : link_->emulated->incoming_at(size, Clock::now())) {
-    delay_line_->at(
+    delay_line_.at(
         due, [this, receiver, local, remote, copy = std::vector(datagram.begin(), datagram.end())] {
           deliver(*receiver, copy, local, remote);
         });
@@ -300,7 +380,28 @@ void Transport::deliver(fdr::TransportReceiverInterface& receiver,
   link_->addresses.heard(sender_of(datagram), locator_of(remote).address, now);
   link_->traffic.received(size);
   if (link_->role == ChannelRole::kRobot && announces_robot(datagram)) return;
+  announce_to_strangers(datagram, now);
   receiver.OnDataReceived(recounted ? recounted->data() : datagram.data(), size, local, remote);
+}
+
+void Transport::announce_to_strangers(RtpsBytes datagram, Clock::time_point now) {
+  const auto own = own_.prefix();
+  if (!own) return;
+  if (const auto pause = strangers_.heard(datagram, *own, now)) {
+    announce_again(sender_of(datagram), now + *pause);
+  }
+}
+
+void Transport::announce_again(const GuidPrefix& to, Clock::time_point due) {
+  delay_line_.at(due, [this, to, due] {
+    const auto pause = strangers_.again(to);
+    if (!pause) return;
+    const auto [datagram, destinations] = announcement_.latest();
+    if (!datagram.empty()) {
+      send_as_often_as_needed(first_socket_, datagram, destinations, Clock::now() + kPatience);
+    }
+    announce_again(to, due + *pause);
+  });
 }
 
 fdr::TransportInterface* Descriptor::create_transport() const {

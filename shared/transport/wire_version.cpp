@@ -14,7 +14,6 @@ constexpr std::string_view kFamily = "fleetloc";
 constexpr std::string_view kRobot = "/robot";
 constexpr std::size_t kPrefix = GuidPrefix{}.size();
 constexpr std::size_t kMaxSeen = 16;
-constexpr std::uint32_t kParticipantWriter = 0x0100c2;
 // Parameters (DDS Interoperability Wire Protocol 2.2, chapter 9.6.2.2.2).
 constexpr std::uint16_t kSentinel = 0x0001;
 constexpr std::uint16_t kUserData = 0x002c;

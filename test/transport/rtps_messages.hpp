@@ -38,7 +38,6 @@ class ByteWriter {
   Bytes bytes_;
 };
 
-inline constexpr std::uint32_t kParticipantWriter = 0x0100c2;
 inline constexpr std::uint32_t kPublicationsWriter = 0x0003c2;
 inline constexpr std::uint32_t kSubscriptionsReader = 0x0004c7;
 

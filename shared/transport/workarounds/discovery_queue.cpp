@@ -10,7 +10,6 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kMostWaiting = 2000;  // then new ones are dropped, as on a full link
 constexpr std::size_t kMostSaid = 4000;
-constexpr std::uint32_t kParticipantWriter = 0x0100c2;
 constexpr std::uint32_t kBuiltIn = 0xC0;  // in the kind of an entity (RTPS 2.2, table 9.1)
 constexpr milliseconds kSavedUp{500};
 // Of the round trips of links that need a limit; the library repeats all of them when asked, and
@@ -87,6 +86,17 @@ std::optional<DiscoveryDatagram> DiscoveryDatagram::read(RtpsBytes datagram) {
   }
   if (read.worth_repeating_after == milliseconds{}) return std::nullopt;
   return read;
+}
+
+void DiscoveryDatagram::address_to(const void* socket, const PeerAddressFilter::Locator& to) {
+  const auto append = [this](const auto& value) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
+    for (auto* part : {&subject, &statement})
+      part->insert(part->end(), bytes, bytes + sizeof(value));
+  };
+  append(socket);
+  append(to.address);
+  append(to.port);
 }
 
 bool DiscoveryQueue::has_just_said(const DiscoveryDatagram& datagram, Time now) {

@@ -17,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
@@ -33,6 +34,10 @@ struct DiscoveryDatagram {
 
   /// Nothing for all others.
   static std::optional<DiscoveryDatagram> read(RtpsBytes datagram);
+
+  /// Where to: what goes elsewhere is about something else.
+  /// @param socket  only tells those of one socket from those of another
+  void address_to(const void* socket, const PeerAddressFilter::Locator& to);
 };
 
 /// Datagrams of discovery that wait, so that there are at most so many bytes of them a second. Of
@@ -53,7 +58,7 @@ class DiscoveryQueue {
   /// True if it may be sent at once, since nothing waits. Counts it.
   bool passes(const DiscoveryDatagram& datagram, std::size_t bytes, Time now);
 
-  /// @param datagram  with whatever tells its destination in both its subject and its statement
+  /// @param datagram  that knows where it is sent
   /// @param bytes     on the wire
   /// @return when take() is to be called, unless such a call is due already
   std::optional<Time> put(DiscoveryDatagram datagram,

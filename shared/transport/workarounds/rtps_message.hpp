@@ -20,7 +20,8 @@ using RtpsBytes = std::span<const std::uint8_t>;
 using GuidPrefix = std::array<std::uint8_t, 12>;
 
 inline constexpr std::size_t kRtpsHeaderBytes = 20;
-inline constexpr std::size_t kGuidPrefixAt = 8;  // in the header
+inline constexpr std::size_t kGuidPrefixAt = 8;                // in the header
+inline constexpr std::uint32_t kParticipantWriter = 0x0100c2;  // built-in, of announcements
 
 /// @param message  at least its header
 inline GuidPrefix sender_of(RtpsBytes message) {
@@ -133,6 +134,25 @@ inline std::optional<RtpsSubmessage> take_submessage(RtpsBytes& rest) {
   submessage.body = rest.first(length);
   rest = rest.subspan(length);
   return submessage;
+}
+
+/// With which a participant announces itself, or says that it goes: then there is no data in it.
+/// @param message  at least its header
+inline std::optional<RtpsSubmessage> participant_sample_in(RtpsBytes message) {
+  RtpsBytes rest = message.subspan(kRtpsHeaderBytes);
+  while (const auto submessage = take_submessage(rest)) {
+    if (submessage->kind != RtpsKind::kData) continue;
+    RtpsFields fields = submessage->fields();
+    fields.skip(8);  // flags, offset of the inline QoS, reader
+    if (fields.entity() == kParticipantWriter) return submessage;
+  }
+  return std::nullopt;
+}
+
+/// @param message  at least its header
+inline bool is_announcement(RtpsBytes message) {
+  const auto sample = participant_sample_in(message);
+  return sample && (sample->flags & kHasData) != 0;
 }
 
 }  // namespace fleetloc

@@ -1,0 +1,54 @@
+#include "shared/transport/workarounds/announcement_repetition.hpp"
+
+#include <algorithm>
+
+namespace fleetloc {
+namespace {
+
+constexpr std::chrono::milliseconds kFirstPause{500};
+constexpr int kTries = 5;                       // within 16 s
+constexpr std::chrono::minutes kForgotten{10};  // longer than any lease
+constexpr std::size_t kManyStrangers = 2000;    // then those are dropped that are forgotten
+
+bool is_addressed(RtpsBytes datagram, const GuidPrefix& to) {
+  RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
+  while (const auto submessage = take_submessage(rest)) {
+    if (submessage->kind == RtpsKind::kInfoDestination &&
+        std::ranges::equal(submessage->body, to)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsBytes datagram,
+                                                                           const GuidPrefix& own,
+                                                                           Time now) {
+  const bool knows_us = is_addressed(datagram, own);
+  const std::lock_guard lock(mutex_);
+  if (strangers_.size() > kManyStrangers) {
+    std::erase_if(strangers_, [&](const auto& one) { return now - one.second.heard > kForgotten; });
+  }
+  const auto known = strangers_.find(sender_of(datagram));
+  if (known != strangers_.end()) {
+    known->second.heard = now;
+    known->second.knows_us |= knows_us;
+    return std::nullopt;
+  }
+  if (!knows_us && !is_announcement(datagram)) return std::nullopt;
+  strangers_[sender_of(datagram)] = {.heard = now, .knows_us = knows_us};
+  return knows_us ? std::nullopt : std::optional<Pause>(kFirstPause);
+}
+
+std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::again(
+    const GuidPrefix& participant) {
+  const std::lock_guard lock(mutex_);
+  const auto known = strangers_.find(participant);
+  if (known == strangers_.end() || known->second.knows_us) return std::nullopt;
+  if (++known->second.tries > kTries) return std::nullopt;
+  return (1 << known->second.tries) * kFirstPause;
+}
+
+}  // namespace fleetloc

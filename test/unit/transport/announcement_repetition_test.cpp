@@ -1,0 +1,86 @@
+#include "shared/transport/workarounds/announcement_repetition.hpp"
+
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "test/transport/rtps_messages.hpp"
+
+namespace fleetloc {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::minutes;
+using std::chrono::seconds;
+
+constexpr GuidPrefix kOwn{1, 15, 7};
+constexpr GuidPrefix kOther{1, 15, 8};
+
+Bytes info_destination(const GuidPrefix& to) {
+  return submessage(0x0e, 1, {to.begin(), to.end()});
+}
+
+Bytes announcement(const GuidPrefix& from = kOther) {
+  const auto body =
+      ByteWriter().u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1).zeros(8);
+  return message_of({submessage(0x15, 1 | 4, body.written())}, from);
+}
+
+class AnnouncementRepetitionTest : public testing::Test {
+ protected:
+  std::optional<AnnouncementRepetition::Pause> hear(const Bytes& datagram) {
+    return repetition_.heard(datagram, kOwn, now_);
+  }
+  /// Until nothing more is due.
+  AnnouncementRepetition::Pause all_pauses(const GuidPrefix& participant) {
+    AnnouncementRepetition::Pause sum{};
+    tries_ = 0;
+    for (; const auto pause = repetition_.again(participant); ++tries_) sum += *pause;
+    return sum;
+  }
+
+  AnnouncementRepetition repetition_;
+  AnnouncementRepetition::Time now_{seconds(1000)};
+  int tries_ = 0;
+};
+
+TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver) {
+  ASSERT_EQ(hear(announcement()), milliseconds(500));
+  EXPECT_EQ(repetition_.again(kOther), seconds(1));
+  EXPECT_EQ(repetition_.again(kOther), seconds(2));
+  EXPECT_LT(all_pauses(kOther), minutes(1));
+  EXPECT_LT(tries_, 10);
+  EXPECT_FALSE(repetition_.again(kOther));
+}
+
+TEST_F(AnnouncementRepetitionTest, IsToldOfEachOnce) {
+  ASSERT_TRUE(hear(announcement()));
+  EXPECT_FALSE(hear(announcement()));
+  EXPECT_TRUE(hear(announcement({1, 15, 9})));
+}
+
+TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
+  ASSERT_TRUE(hear(announcement()));
+  EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
+  EXPECT_FALSE(repetition_.again(kOther));
+}
+
+TEST_F(AnnouncementRepetitionTest, GoesOnWhileOthersAreAddressed) {
+  ASSERT_TRUE(hear(announcement()));
+  EXPECT_FALSE(hear(message_of({info_destination({1, 15, 9}), ack_nack(1)}, kOther)));
+  EXPECT_TRUE(repetition_.again(kOther));
+}
+
+TEST_F(AnnouncementRepetitionTest, LeavesAloneWhoKnowsItAlready) {
+  EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
+  EXPECT_FALSE(hear(announcement()));
+  EXPECT_FALSE(repetition_.again(kOther));
+}
+
+TEST_F(AnnouncementRepetitionTest, IsOfAnnouncementsAlone) {
+  EXPECT_FALSE(hear(message_of({heartbeat(1, 4)}, kOther)));
+  EXPECT_TRUE(hear(announcement()));
+}
+
+}  // namespace
+}  // namespace fleetloc
