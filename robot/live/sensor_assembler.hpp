@@ -12,12 +12,12 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "robot/live/arrival_time.hpp"
 #include "robot/live/image_pairing.hpp"
 #include "robot/live/measurement_queue.hpp"
 #include "robot/live/stamp_gate.hpp"
 #include "robot/live/topic_watch.hpp"
 #include "robot/sensors/sensor_source.hpp"
+#include "shared/core/arrival_time.hpp"
 #include "shared/model/camera.hpp"
 
 namespace fleetloc {
