@@ -17,8 +17,8 @@ set(FLEETLOC_LAYERS
     "robot/runtime"
     "robot/run_folder"
     "robot/node cloud/node"
-    "deploy/config deploy/process deploy/monitor deploy/topic deploy/replay deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
-    "deploy/sim/sensors deploy/evaluation/report"
+    "deploy/config deploy/faults deploy/process deploy/monitor deploy/topic deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
+    "deploy/replay deploy/sim/sensors deploy/evaluation/report"
     "deploy/sim/recording deploy/evaluation/experiment"
     "deploy/tools")
 
