@@ -18,7 +18,7 @@ set(FLEETLOC_LAYERS
     "robot/run_folder"
     "robot/node cloud/node"
     "deploy/config deploy/faults deploy/process deploy/monitor deploy/topic deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
-    "deploy/replay deploy/sim/sensors deploy/evaluation/report"
+    "deploy/play deploy/replay deploy/sim/sensors deploy/evaluation/report"
     "deploy/sim/recording deploy/evaluation/experiment"
     "deploy/tools")
 
