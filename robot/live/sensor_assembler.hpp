@@ -39,8 +39,9 @@ class SensorAssembler {
     Duration max_ahead_of_imu = std::chrono::milliseconds(500);
     Duration max_behind_imu = std::chrono::seconds(1);
     Duration camera_time_shift{};  ///< is added to the stamps of images
-    std::size_t max_frames = 4;    ///< that wait to be taken
-    std::size_t max_imu = 4000;    ///< samples that wait to be taken
+    /// That wait to be taken: 0.5 s at 20 Hz, which is what the odometry's initialization takes.
+    std::size_t max_frames = 10;
+    std::size_t max_imu = 4000;  ///< samples that wait to be taken
   };
   /// As they are called in sentences.
   struct Topics {
