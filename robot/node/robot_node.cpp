@@ -14,6 +14,8 @@
 #include "robot/node/event_log.hpp"
 #include "robot/node/live_sensors.hpp"
 #include "robot/node/pose_sink.hpp"
+#include "robot/node/ros2_diagnostics.hpp"
+#include "robot/node/ros2_output.hpp"
 #include "robot/node/threaded_back_end.hpp"
 #include "robot/run_folder/run_recorder.hpp"
 #include "robot/runtime/robot_runtime.hpp"
@@ -66,7 +68,11 @@ struct RobotNode::Live {
 };
 
 struct RobotNode::Parts {
-  Parts(const RobotNodeOptions& options, const RobotNodeConfig& config, const SensorRig& rig)
+  /// @param live  null: a recording is played
+  Parts(const RobotNodeOptions& options,
+        const RobotNodeConfig& config,
+        const SensorRig& rig,
+        Live* live = nullptr)
       : id(options.id),
         channel(channel_config(options)),
         client(options.id, channel, config.client),
@@ -77,12 +83,15 @@ struct RobotNode::Parts {
         poses(options.domain, options.id),
         events(options.id, channel, client) {
     recorder.write_config(options.config);
+    if (live != nullptr) output.emplace(live->config, live->participant);
   }
 
   /// @param source  which plays, or listens, from its construction on: it comes last
   void start(std::unique_ptr<SensorSource> source) {
     sensors = std::move(source);
-    const std::vector<std::reference_wrapper<RobotSink>> sinks{recorder, poses, events};
+    std::vector<std::reference_wrapper<RobotSink>> sinks{recorder, poses, events};
+    if (output) sinks.emplace_back(*output);
+    if (diagnostics) sinks.emplace_back(*diagnostics);
     runtime.emplace(id, *sensors, robot, sinks);
   }
 
@@ -94,7 +103,9 @@ struct RobotNode::Parts {
   RunRecorder recorder;
   PoseSink poses;
   EventLog events;
+  std::optional<Ros2Output> output;
   std::unique_ptr<SensorSource> sensors;
+  std::optional<Ros2Diagnostics> diagnostics;  // asks the sensors
   std::optional<RobotRuntime> runtime;
 };
 
@@ -131,9 +142,15 @@ void RobotNode::begin_live(const SensorRig& rig) {
                sensors.right.topic.name,
                sensors.imu.name,
                sensors.domain);
-  parts_ = std::make_unique<Parts>(options_, config_, rig);
-  parts_->start(
-      std::make_unique<LiveSensors>(sensors, rig, live_->participant, logger_of(options_.id)));
+  parts_ = std::make_unique<Parts>(options_, config_, rig, live_.get());
+  auto source =
+      std::make_unique<LiveSensors>(sensors, rig, live_->participant, logger_of(options_.id));
+  if (sensors.output.diagnostics) {
+    parts_->diagnostics.emplace(options_.id, live_->participant, [&live = *source] {
+      return SensorState{.silent_topics = live.silent_topics(), .faults = live.faults()};
+    });
+  }
+  parts_->start(std::move(source));
 }
 
 void RobotNode::run(const std::stop_token& stop) {

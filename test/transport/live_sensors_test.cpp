@@ -2,6 +2,7 @@
 #include "robot/node/live_sensors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <mutex>
 #include <set>
@@ -12,9 +13,12 @@
 
 #include "deploy/play/sensor_publisher.hpp"
 #include "robot/node/calibration_topics.hpp"
+#include "robot/node/ros2_output.hpp"
 #include "robot/node/sensor_topics.hpp"
 #include "shared/ros2/camera_info_codec.hpp"
 #include "shared/ros2/imu_codec.hpp"
+#include "shared/ros2/pose_codec.hpp"
+#include "shared/ros2/ros2_names.hpp"
 #include "test/transport/ros2_network.hpp"
 #include "test/transport/test_network.hpp"
 
@@ -195,6 +199,47 @@ TEST_F(LiveSensorsTest, GetNothingForAnImageThatIsMissing) {
 TEST_F(LiveSensorsTest, AreNotPlayedAsCompressedImages) {
   config_.left.transport = ImageTransport::kCompressed;
   EXPECT_THROW(SensorPublisher{config_}, ConfigError);
+}
+
+TEST(Ros2OutputTest, PublishesPosesOnceThereAreSome) {
+  const Ros2Network network;
+  Ros2Participant robot(network.domain());
+  Ros2Participant viewer(network.domain());
+  Ros2Output output(sensors(network.domain()), robot);
+  const auto reliable = [](const char* name, const char* type) {
+    return Ros2Subscription{{name, type, Ros2Qos::kDefault}, 10};
+  };
+  Ros2Reader reader(viewer,
+                    {reliable("rt/odometry", ros2_type::kOdometry),
+                     reliable("rt/map_pose", ros2_type::kPoseWithCovariance),
+                     reliable("rt/tf", ros2_type::kTransforms)});
+  ASSERT_TRUE(comes_true([&] {
+    return reader.matched_writers(0) == 1 && reader.matched_writers(1) == 1 &&
+           reader.matched_writers(2) == 1 && output.has_readers();
+  }));
+  RobotOutput out;
+  out.pose.emplace();
+  out.pose->stamp = Timestamp(kSecond);
+  output.add(out);  // initializing
+  out.pose->stamp += 5ms;
+  out.pose->quality = Quality::kLocalized;
+  out.pose->T_map_body = Pose{.p = {1.0, 2.0, 3.0}};
+  out.frames = {FrameOutput{.stamp = out.pose->stamp, .pose = *out.pose}};
+  output.add(out);
+  std::array<int, 3> received{};
+  for (int i = 0; i < 3; ++i) {
+    const auto sample = reader.take({}, kPatience);
+    ASSERT_TRUE(sample);
+    ++received.at(sample->topic);
+    if (sample->topic != 1) continue;
+    const auto pose = decode_pose(sample->payload);
+    ASSERT_TRUE(pose);
+    EXPECT_EQ(pose->header.frame, "map");
+    EXPECT_EQ(pose->header.stamp, Timestamp(kSecond + 5ms));
+    EXPECT_EQ(pose->T_a_b.p, Eigen::Vector3d(1.0, 2.0, 3.0));
+  }
+  EXPECT_THAT(received, testing::Each(1));
+  EXPECT_THAT(output.faults(), testing::IsEmpty());
 }
 
 /// Drivers that publish CameraInfo of a rectified pair, 0.1 m apart.
