@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 [ $# -eq 0 ] || { echo "usage: deploy/package.sh" >&2; exit 2; }
 sh deploy/install-deps.sh dpkg-dev file || exit $?
 sh deploy/build.sh release fleetloc-robot fleetloc-cloud fleetloc-eval fleetloc-experiment \
-  fleetloc-map fleetloc-monitor fleetloc-replay fleetloc-sim fleetloc-topic
+  fleetloc-map fleetloc-monitor fleetloc-play fleetloc-replay fleetloc-sim fleetloc-topic
 
 # The same sources make the same bytes: files are dated by the commit, or by the newest of them.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s -r CMakeLists.txt)}

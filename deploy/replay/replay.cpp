@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "deploy/faults/fault_injector.hpp"
 #include "deploy/replay/align_once.hpp"
-#include "deploy/replay/fault_injector.hpp"
 #include "deploy/replay/localizer_decorator.hpp"
 #include "deploy/replay/sample_recorder.hpp"
 #include "deploy/replay/simulated_back_end.hpp"

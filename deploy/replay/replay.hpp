@@ -8,7 +8,7 @@
 #include <string>
 
 #include "cloud/pool/localizer_pool.hpp"
-#include "deploy/replay/fault_injector.hpp"
+#include "deploy/faults/fault_injector.hpp"
 #include "deploy/replay/icp_localizer.hpp"
 #include "deploy/replay/localizer_plan.hpp"
 #include "robot/cloud_client/cloud_client.hpp"

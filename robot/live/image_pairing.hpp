@@ -9,7 +9,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "robot/live/arrival_time.hpp"
+#include "shared/core/arrival_time.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/core/time.hpp"
 #include "shared/model/stereo_frame.hpp"

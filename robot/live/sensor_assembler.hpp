@@ -12,12 +12,12 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "robot/live/arrival_time.hpp"
 #include "robot/live/image_pairing.hpp"
 #include "robot/live/measurement_queue.hpp"
 #include "robot/live/stamp_gate.hpp"
 #include "robot/live/topic_watch.hpp"
 #include "robot/sensors/sensor_source.hpp"
+#include "shared/core/arrival_time.hpp"
 #include "shared/model/camera.hpp"
 
 namespace fleetloc {
@@ -39,8 +39,9 @@ class SensorAssembler {
     Duration max_ahead_of_imu = std::chrono::milliseconds(500);
     Duration max_behind_imu = std::chrono::seconds(1);
     Duration camera_time_shift{};  ///< is added to the stamps of images
-    std::size_t max_frames = 4;    ///< that wait to be taken
-    std::size_t max_imu = 4000;    ///< samples that wait to be taken
+    /// That wait to be taken: 0.5 s at 20 Hz, which is what the odometry's initialization takes.
+    std::size_t max_frames = 10;
+    std::size_t max_imu = 4000;  ///< samples that wait to be taken
   };
   /// As they are called in sentences.
   struct Topics {

@@ -198,14 +198,18 @@ std::string dds_name(const ImageTopic& topic) {
 }
 
 SensorsConfig read_sensors_config(const std::filesystem::path& file) {
-  constexpr int kMaxDomain = 101;  // beyond, Linux may give its ports to others
-  ConfigReader root = ConfigReader::from_file(file);
+  return read_sensors_config(ConfigReader::from_file(file), file.parent_path());
+}
+
+SensorsConfig read_sensors_config(ConfigReader root, const std::filesystem::path& folder) {
+  constexpr int kMaxDomain = 100;  // beyond, Linux may give its ports to others
   ConfigReader topics = root.section("topics");
   SensorsConfig config{.domain = root.integer("domain", 0, kMaxDomain),
                        .left = read_image_topic(topics.section("left")),
                        .right = read_image_topic(topics.section("right")),
                        .imu = read_topic(topics.section("imu")),
-                       .calibration = read_calibration(root, file.parent_path())};
+                       .calibration = read_calibration(root, folder)};
+  if (root.has("qos")) config.qos = read_path(root, "qos", folder);
   if (root.has("frames")) config.frames = read_frames(root.section("frames"));
   if (root.has("output")) config.output = read_output(root.section("output"));
   if (root.has("tolerances")) config.assembler = read_tolerances(root.section("tolerances"));

@@ -12,6 +12,8 @@
 
 namespace fleetloc {
 
+class ConfigReader;
+
 /// The QoS profile of ROS 2 that a topic is read with.
 enum class TopicQos {
   kSensorData,  ///< best effort: a publisher of either kind matches
@@ -67,6 +69,7 @@ struct RosOutput {
 /// A robot's live sensors, as `sensors.yaml` describes them.
 struct SensorsConfig {
   int domain = 0;
+  std::optional<std::filesystem::path> qos = std::nullopt;  ///< in place of the built-in ros2.xml
   ImageTopic left;
   ImageTopic right;
   RosTopic imu;
@@ -79,6 +82,10 @@ struct SensorsConfig {
 /// Topics, calibration and a key's unknown name, wrong type or range: ConfigError with file, line
 /// and reason. Files of the calibration are not opened yet; relative ones are beside `file`.
 SensorsConfig read_sensors_config(const std::filesystem::path& file);
+
+/// The same of what has been read already.
+/// @param folder  that relative paths are in
+SensorsConfig read_sensors_config(ConfigReader root, const std::filesystem::path& folder);
 
 /// The calibration from its files; nothing if it comes on topics. Throws ConfigError and
 /// DatasetError.

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "robot/live/arrival_time.hpp"
+#include "shared/core/arrival_time.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/core/time.hpp"
 

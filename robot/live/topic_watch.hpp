@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "robot/live/arrival_time.hpp"
+#include "shared/core/arrival_time.hpp"
 #include "shared/core/time.hpp"
 
 namespace fleetloc {

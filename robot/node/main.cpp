@@ -1,4 +1,4 @@
-// fleetloc-robot: a robot that plays a recording, over DDS.
+// fleetloc-robot: a robot with live sensors, or that plays a recording, over DDS.
 #include <memory>
 #include <string>
 
@@ -27,8 +27,9 @@ int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
     cv::setNumThreads(1);  // the tracking is one thread's work, and the same in every run
     Program program("fleetloc-robot",
-                    "Tracks a robot in a recording of stereo images and IMU, sends submaps to a "
-                    "localizer, and fuses its answers into a pose at IMU rate.",
+                    "Tracks a robot by its stereo images and IMU, live from topics of ROS 2 "
+                    "(--sensors) or from a recording (--dataset), sends submaps to a localizer, "
+                    "and fuses its answers into a pose at IMU rate.",
                     kDefaultConfig);
     RobotNodeOptions options;
     std::string initial_pose;
@@ -37,17 +38,24 @@ int main(int argc, char** argv) {
     std::string encoding;
     CLI::App& app = program.options();
     app.add_option("--robot-id", options.id, "1 to 32 of A-Z a-z 0-9 _ -")->required();
-    app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
-    app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images");
+    auto* sensors = app.add_option(
+        "--sensors", options.sensors, "YAML: topics, calibration and frames of live sensors");
+    app.add_option("--dataset", options.dataset, "or: a recording, folder in the EuRoC/ASL layout")
+        ->excludes(sensors);
+    app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images")
+        ->excludes(sensors);
     app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
     app.add_option("--out", options.out, "run folder, is created")->required();
-    app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
+    app.add_option("--domain", options.domain, "DDS domain of the fleet, 0 to 100");
     app.add_option("--rate", options.rate, "speed of the recording; 0: as fast as possible")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::NonNegativeNumber)
+        ->excludes(sensors);
     app.add_option("--start", options.start_s, "seconds of the recording to skip")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::NonNegativeNumber)
+        ->excludes(sensors);
     auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
-                        ->check(CLI::PositiveNumber);
+                        ->check(CLI::PositiveNumber)
+                        ->excludes(sensors);
     auto* start_pose =
         app.add_option("--initial-pose",
                        initial_pose,
@@ -60,6 +68,9 @@ int main(int argc, char** argv) {
       if (!is_valid_id(options.id)) {
         throw std::invalid_argument("--robot-id: '" + options.id +
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");
+      }
+      if (options.dataset.empty() && options.sensors.empty()) {
+        throw std::invalid_argument("--sensors FILE or --dataset DIR is needed");
       }
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);

@@ -1,25 +1,32 @@
 #include "robot/node/robot_node.hpp"
 
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
 #include "robot/dataset/dataset_reader.hpp"
+#include "robot/node/calibration_topics.hpp"
 #include "robot/node/dataset_player.hpp"
 #include "robot/node/event_log.hpp"
+#include "robot/node/live_sensors.hpp"
 #include "robot/node/pose_sink.hpp"
+#include "robot/node/ros2_diagnostics.hpp"
+#include "robot/node/ros2_output.hpp"
 #include "robot/node/threaded_back_end.hpp"
 #include "robot/run_folder/run_recorder.hpp"
 #include "robot/runtime/robot_runtime.hpp"
 #include "shared/core/cpu_time.hpp"
 #include "shared/transport/dds_channel.hpp"
+#include "shared/transport/ros2/ros2_profiles.hpp"
 
 namespace fleetloc {
 namespace {
 
 DdsChannel::Config channel_config(const RobotNodeOptions& options) {
-  load_qos_profiles(options.qos);
   return {.domain = options.domain,
           .participant_profile = "robot",
           .role = ChannelRole::kRobot,
@@ -27,39 +34,65 @@ DdsChannel::Config channel_config(const RobotNodeOptions& options) {
           .link = options.link};
 }
 
-// The time of day orders the runs of a robot's program: the recording's stamps do not. Session
+// The time of day orders the runs of a robot's program: the sensors' stamps need not. Session
 // numbers only tell runs apart, so that they may wrap.
-RobotSetup setup(const RobotNodeOptions& options, const DatasetReader& reader) {
+RobotSetup setup(const RobotNodeOptions& options, const SensorRig& rig) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
   return {.id = options.id,
-          .calibration = reader.calibration(),
-          .imu_noise = reader.imu_noise(),
+          .calibration = rig.cameras,
+          .imu_noise = rig.imu_noise,
           .session = SessionNumber{static_cast<std::uint32_t>(milliseconds)},
           .program_start = Timestamp{now},
           .T_map_body = options.T_map_body};
 }
 
+std::function<void(const std::string&)> logger_of(const RobotId& robot) {
+  return [robot](const std::string& event) { spdlog::info("{}: {}", robot, event); };
+}
+
+SensorsConfig read_sensors(const std::filesystem::path& file) {
+  SensorsConfig config = read_sensors_config(file);
+  load_ros2_profiles(config.qos);
+  return config;
+}
+
 }  // namespace
 
+struct RobotNode::Live {
+  explicit Live(const std::filesystem::path& file)
+      : config(read_sensors(file)), participant(static_cast<std::uint32_t>(config.domain)) {}
+
+  SensorsConfig config;
+  Ros2Participant participant;
+};
+
 struct RobotNode::Parts {
+  /// @param live  null: a recording is played
   Parts(const RobotNodeOptions& options,
         const RobotNodeConfig& config,
-        std::unique_ptr<DatasetReader> recording)
+        const SensorRig& rig,
+        Live* live = nullptr)
       : id(options.id),
         channel(channel_config(options)),
         client(options.id, channel, config.client),
-        back_end(KeyframeWorker(rectified(recording->calibration()),
-                                recording->imu_noise(),
-                                config.worker,
-                                thread_cpu_time)),
-        robot(setup(options, *recording), config.pipeline, back_end, &client, thread_cpu_time),
+        back_end(
+            KeyframeWorker(rectified(rig.cameras), rig.imu_noise, config.worker, thread_cpu_time)),
+        robot(setup(options, rig), config.pipeline, back_end, &client, thread_cpu_time),
         recorder(options.out),
         poses(options.domain, options.id),
-        events(options.id, channel, client),
-        sensors(std::move(recording), options.rate),
-        runtime(options.id, sensors, robot, {recorder, poses, events}) {
+        events(options.id, channel, client) {
     recorder.write_config(options.config);
+    if (live != nullptr) output.emplace(live->config, live->participant);
+  }
+
+  /// @param source  which plays, or listens, from its construction on: it comes last
+  void start(std::unique_ptr<SensorSource> source) {
+    sensors = std::move(source);
+    std::vector<std::reference_wrapper<RobotSink>> sinks{recorder, poses, events};
+    if (output) sinks.emplace_back(*output);
+    if (diagnostics) sinks.emplace_back(*diagnostics);
+    runtime.emplace(id, *sensors, robot, sinks);
   }
 
   RobotId id;
@@ -70,24 +103,64 @@ struct RobotNode::Parts {
   RunRecorder recorder;
   PoseSink poses;
   EventLog events;
-  DatasetPlayer sensors;  // starts to play
-  RobotRuntime runtime;
+  std::optional<Ros2Output> output;
+  std::unique_ptr<SensorSource> sensors;
+  std::optional<Ros2Diagnostics> diagnostics;  // asks the sensors
+  std::optional<RobotRuntime> runtime;
 };
 
 RobotNode::RobotNode(const RobotNodeOptions& options, const RobotNodeConfig& config)
-    : parts_(std::make_unique<Parts>(
-          options,
-          config,
-          std::make_unique<DatasetReader>(DatasetReader::Options{.folder = options.dataset,
-                                                                 .start_s = options.start_s,
-                                                                 .duration_s = options.duration_s,
-                                                                 .tracks = options.tracks}))) {}
+    : options_(options), config_(config) {
+  load_qos_profiles(options.qos);
+  if (options.sensors.empty()) {
+    begin_recording();
+  } else {
+    live_ = std::make_unique<Live>(options.sensors);
+    if (const auto rig = read_sensor_rig(live_->config.calibration)) begin_live(*rig);
+  }
+}
 
 RobotNode::~RobotNode() = default;
 
+void RobotNode::begin_recording() {
+  auto recording =
+      std::make_unique<DatasetReader>(DatasetReader::Options{.folder = options_.dataset,
+                                                             .start_s = options_.start_s,
+                                                             .duration_s = options_.duration_s,
+                                                             .tracks = options_.tracks});
+  const SensorRig rig{.cameras = recording->calibration(), .imu_noise = recording->imu_noise()};
+  parts_ = std::make_unique<Parts>(options_, config_, rig);
+  spdlog::info("{}: playing {} frames", options_.id, recording->frame_count().value_or(0));
+  parts_->start(std::make_unique<DatasetPlayer>(std::move(recording), options_.rate));
+}
+
+void RobotNode::begin_live(const SensorRig& rig) {
+  const SensorsConfig& sensors = live_->config;
+  spdlog::info("{}: live from {}, {} and {}, DDS domain {}",
+               options_.id,
+               sensors.left.topic.name,
+               sensors.right.topic.name,
+               sensors.imu.name,
+               sensors.domain);
+  parts_ = std::make_unique<Parts>(options_, config_, rig, live_.get());
+  auto source =
+      std::make_unique<LiveSensors>(sensors, rig, live_->participant, logger_of(options_.id));
+  if (sensors.output.diagnostics) {
+    parts_->diagnostics.emplace(options_.id, live_->participant, [&live = *source] {
+      return SensorState{.silent_topics = live.silent_topics(), .faults = live.faults()};
+    });
+  }
+  parts_->start(std::move(source));
+}
+
 void RobotNode::run(const std::stop_token& stop) {
-  spdlog::info("{}: playing {} frames", parts_->id, parts_->sensors.frame_count().value_or(0));
-  parts_->runtime.run(stop);
+  if (!parts_) {
+    const auto rig =
+        calibration_from_topics(live_->config, live_->participant, logger_of(options_.id), stop);
+    if (!rig) return;
+    begin_live(*rig);
+  }
+  parts_->runtime->run(stop);
 }
 
 }  // namespace fleetloc

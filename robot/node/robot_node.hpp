@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 
+#include "robot/calibration/sensor_rig.hpp"
 #include "robot/cloud_client/cloud_client.hpp"
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/link/link_config.hpp"
@@ -14,8 +16,9 @@ namespace fleetloc {
 
 struct RobotNodeOptions {
   RobotId id;
-  std::filesystem::path dataset;
-  bool tracks = false;  ///< plays its tracks instead of its images
+  std::filesystem::path dataset;  ///< a recording to play; or
+  std::filesystem::path sensors;  ///< what describes live sensors, see SensorsConfig
+  bool tracks = false;            ///< plays its tracks instead of its images
   std::filesystem::path qos;
   std::filesystem::path out;
   std::uint32_t domain = 0;
@@ -33,8 +36,9 @@ struct RobotNodeConfig {
   CloudClient::Config client{};
 };
 
-/// A robot that plays a recording: everything that can fail before it starts fails in the
-/// constructor (TransportError, DatasetError, std::runtime_error).
+/// A robot with live sensors, or that plays a recording: everything that can fail before it starts
+/// fails in the constructor (TransportError, DatasetError, ConfigError, std::runtime_error), but
+/// for what needs a calibration that comes on topics.
 class RobotNode {
  public:
   RobotNode(const RobotNodeOptions& options, const RobotNodeConfig& config);
@@ -42,12 +46,21 @@ class RobotNode {
   RobotNode(const RobotNode&) = delete;
   RobotNode& operator=(const RobotNode&) = delete;
 
-  /// Until the recording ends or a stop is requested; then the run folder is complete.
+  /// Until the recording ends or a stop is requested; then the run folder is complete. Waits first
+  /// for a calibration that comes on topics.
   void run(const std::stop_token& stop);
 
  private:
+  struct Live;
   struct Parts;
-  std::unique_ptr<Parts> parts_;
+
+  void begin_recording();
+  void begin_live(const SensorRig& rig);
+
+  RobotNodeOptions options_;
+  RobotNodeConfig config_;
+  std::unique_ptr<Live> live_;    // without a recording; outlives the parts
+  std::unique_ptr<Parts> parts_;  // null while the calibration is still to come
 };
 
 }  // namespace fleetloc

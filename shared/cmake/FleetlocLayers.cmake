@@ -7,7 +7,7 @@ set(FLEETLOC_LAYERS
     "shared/geometry shared/concurrency shared/config shared/coding shared/cdr"
     "shared/model shared/link shared/transport/workarounds"
     "shared/factors shared/wire shared/ros2 shared/transport shared/trajectory shared/dataset"
-    "shared/compact"
+    "shared/compact shared/transport/ros2"
     "shared/protocol"
     "robot/sensors robot/calibration"
     "robot/dataset robot/live robot/tracking robot/inertial cloud/point_cloud"
@@ -17,8 +17,8 @@ set(FLEETLOC_LAYERS
     "robot/runtime"
     "robot/run_folder"
     "robot/node cloud/node"
-    "deploy/config deploy/process deploy/monitor deploy/topic deploy/replay deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
-    "deploy/sim/sensors deploy/evaluation/report"
+    "deploy/config deploy/faults deploy/process deploy/monitor deploy/topic deploy/sim/world deploy/sim/motion deploy/sim/room deploy/evaluation/errors"
+    "deploy/play deploy/replay deploy/sim/sensors deploy/evaluation/report"
     "deploy/sim/recording deploy/evaluation/experiment"
     "deploy/tools")
 
@@ -26,7 +26,7 @@ set(FLEETLOC_LAYERS
 string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds)?"
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds|/ros2)?"
     "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)

@@ -6,6 +6,11 @@
 #include "shared/transport/instance_key.hpp"
 
 namespace fleetloc {
+namespace {
+
+constexpr std::size_t kEncapsulationBytes = 4;
+
+}  // namespace
 
 BytesType::BytesType(const TopicDataType& generated) {
   setName(generated.getName());
@@ -16,8 +21,14 @@ BytesType::BytesType(const TopicDataType& generated) {
   auto_fill_type_object(false);
 }
 
+BytesType::BytesType(const std::string& name) {
+  setName(name.c_str());
+  m_typeSize = kEncapsulationBytes;
+  auto_fill_type_information(false);
+  auto_fill_type_object(false);
+}
+
 bool BytesType::serialize(void* sample, Payload* payload) {
-  constexpr std::size_t kEncapsulationBytes = 4;
   const Bytes& bytes = *static_cast<const Bytes*>(sample);
   if (bytes.size() < kEncapsulationBytes || bytes.size() > payload->max_size) return false;
   payload->length = static_cast<std::uint32_t>(bytes.size());

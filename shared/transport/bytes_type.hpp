@@ -2,13 +2,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 namespace fleetloc {
 
 /// A type of idl/ whose samples are already serialized: Bytes go through as they are, under the
-/// generated type's name and with its keys. Used by many threads at once.
+/// generated type's name and with its keys; or a type without a key. Used by many threads at once.
 class BytesType final : public eprosima::fastdds::dds::TopicDataType {
  public:
   using Payload = eprosima::fastrtps::rtps::SerializedPayload_t;
@@ -16,6 +17,9 @@ class BytesType final : public eprosima::fastdds::dds::TopicDataType {
 
   /// @param generated  the type support that fastddsgen emits
   explicit BytesType(const TopicDataType& generated);
+
+  /// Without a key. Its samples have any size, so QoS profiles must not preallocate them.
+  explicit BytesType(const std::string& name);
 
   bool serialize(void* sample, Payload* payload) override;
   bool deserialize(Payload* payload, void* sample) override;

@@ -172,26 +172,15 @@ void turn_off_intraprocess_delivery() {
   XMLProfileManager::library_settings(settings);
 }
 
-}  // namespace
-
-void load_qos_profiles(const std::filesystem::path& file) {
-  XMLDocument document;
-  read(file, document);
-  const XMLElement* root = document.RootElement();
-  const char* base_name = root == nullptr ? nullptr : root->Attribute(kBasedOn);
-  XMLDocument base;
-  if (base_name != nullptr) {
-    read(file.parent_path() / base_name, base);
-    lay_over(document, file, base);
-  }
-  XMLDocument& whole = base_name != nullptr ? base : document;
-  XMLElement* profiles = profiles_of(whole);
+/// @param file  in messages
+void load(XMLDocument& document, const std::filesystem::path& file) {
+  XMLElement* profiles = profiles_of(document);
   if (profiles == nullptr) fail(file, "no profiles");
   auto named = extract_named_peers(*profiles);
 
   const LibraryLog before = library_log();
   tinyxml2::XMLPrinter text;
-  whole.Print(&text);
+  document.Print(&text);
   auto* factory = eprosima::fastdds::dds::DomainParticipantFactory::get_instance();
   const auto size = static_cast<std::size_t>(text.CStrSize()) - 1;
   const bool loaded =
@@ -202,6 +191,28 @@ void load_qos_profiles(const std::filesystem::path& file) {
   turn_off_intraprocess_delivery();
   const std::lock_guard lock(registry().mutex);
   registry().named_peers.merge(named);
+}
+
+}  // namespace
+
+void load_qos_profiles(const std::filesystem::path& file) {
+  XMLDocument document;
+  read(file, document);
+  const XMLElement* root = document.RootElement();
+  const char* base_name = root == nullptr ? nullptr : root->Attribute(kBasedOn);
+  if (base_name == nullptr) return load(document, file);
+  XMLDocument base;
+  read(file.parent_path() / base_name, base);
+  lay_over(document, file, base);
+  load(base, file);
+}
+
+void load_embedded_qos_profiles(std::string_view xml, const std::string& name) {
+  XMLDocument document;
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
+    fail(name, document.ErrorStr());
+  }
+  load(document, name);
 }
 
 std::vector<NamedPeer> named_peers(const std::string& participant_profile) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "shared/transport/workarounds/peer_lookup.hpp"
@@ -19,6 +20,10 @@ namespace fleetloc {
 ///   are resolved when a participant is created, not when the file is loaded: a host that is not
 ///   known yet, or has moved, is no error.
 void load_qos_profiles(const std::filesystem::path& file);
+
+/// The same with profiles that the program brings along, which have no base.
+/// @param name  in messages
+void load_embedded_qos_profiles(std::string_view xml, const std::string& name);
 
 /// Peers and discovery servers of a loaded participant profile.
 std::vector<NamedPeer> named_peers(const std::string& participant_profile);

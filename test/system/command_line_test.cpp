@@ -121,6 +121,7 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
                               FLEETLOC_CLOUD,
                               FLEETLOC_MAP,
                               FLEETLOC_MONITOR,
+                              FLEETLOC_PLAY,
                               FLEETLOC_REPLAY,
                               FLEETLOC_EVAL,
                               FLEETLOC_SIM,
@@ -171,6 +172,10 @@ TEST_F(CommandLine, IsCheckedByTheRobot) {
   expect_refused(FLEETLOC_ROBOT, with(good, "--rate", "-1"), "--rate");
   expect_refused(FLEETLOC_ROBOT, with(good, "--duration", "0"), "--duration");
   expect_refused(FLEETLOC_ROBOT, with(good, "--encoding", "morse"), "morse");
+  expect_refused(FLEETLOC_ROBOT, with(good, "--sensors", file("missing.yaml")), "--sensors");
+  expect_refused(FLEETLOC_ROBOT,
+                 with(without(good, "--dataset"), "--sensors", file("missing.yaml")),
+                 file("missing.yaml"));
 }
 
 TEST_F(CommandLine, IsCheckedByTheCloud) {
@@ -200,6 +205,20 @@ TEST_F(CommandLine, IsCheckedByTheReplay) {
   expect_refused(FLEETLOC_REPLAY, with(good, "--latency", "-1"), "--latency");
   expect_refused(FLEETLOC_REPLAY, with(good, "--direction", "sideways"), "sideways");
   expect_refused(FLEETLOC_REPLAY, with(good, "--window", "1"), "--window");
+}
+
+TEST_F(CommandLine, IsCheckedByThePlayer) {
+  const auto refused = [&](Words more, const std::string& culprit) {
+    more.insert(more.begin(), file("dataset"));
+    expect_refused(FLEETLOC_PLAY, more, culprit);
+  };
+  expect_refused(FLEETLOC_PLAY, Words{}, "dataset");
+  expect_refused(FLEETLOC_PLAY, Words{file("none")}, file("none"));
+  refused({"--no-such-option"}, "--no-such-option");
+  refused({"--rate", "0"}, "--rate");
+  refused({"--domain", "101"}, "101");
+  refused({"--sensors", file("missing.yaml")}, file("missing.yaml"));
+  refused({"--faults", file("missing.yaml")}, file("missing.yaml"));
 }
 
 TEST_F(CommandLine, IsCheckedByTheMapTool) {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "deploy/replay/fault_injector.hpp"
+#include "deploy/faults/fault_injector.hpp"
 #include "deploy/sim/recording/dataset_writer.hpp"
 #include "robot/dataset/dataset_reader.hpp"
 #include "test/test_folder.hpp"

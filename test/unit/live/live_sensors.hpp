@@ -52,7 +52,7 @@ inline ImuSample sample(Duration stamp) {
 /// A SensorAssembler, and what comes out of it as text: "imu 5", "frame 100", "left 100" (without
 /// the right image), "clock -10000" (times in ms).
 struct LiveSensors {
-  explicit LiveSensors(const SensorAssembler::Config& config = {})
+  explicit LiveSensors(const SensorAssembler::Config& config = {.max_frames = 4})
       : assembler(config, {"/left", "/right", "/imu"}, small_cameras()) {}
 
   void left(Duration stamp, Duration arrival) {

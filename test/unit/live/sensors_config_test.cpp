@@ -73,6 +73,7 @@ TEST(SensorsConfig, NeedsTopicsAndACalibrationOnly) {
   EXPECT_EQ(files.imu, "/etc/imu.yaml");
   EXPECT_EQ(config.frames.base, "base_link");
   EXPECT_EQ(config.assembler.silence, Duration(2s));
+  EXPECT_FALSE(config.qos);
 }
 
 TEST(SensorsConfig, ReadsEverythingElse) {
@@ -92,11 +93,15 @@ TEST(SensorsConfig, ReadsEverythingElse) {
   EXPECT_FALSE(read_sensor_rig(config.calibration).has_value());
 }
 
+TEST(SensorsConfig, NamesProfilesBesideItself) {
+  EXPECT_EQ(read(kMinimal + "qos: my_ros2.xml\n").qos, test_folder() / "my_ros2.xml");
+}
+
 TEST(SensorsConfig, IsRefusedWithFileLineAndReason) {
   const auto expect = [](const std::string& text, const std::string& message) {
     EXPECT_THAT(error_of(text), HasSubstr("sensors.yaml:" + message));
   };
-  expect(replaced(kMinimal, "domain: 3", "domain: 300"), "1: domain: must be in 0..101");
+  expect(replaced(kMinimal, "domain: 3", "domain: 300"), "1: domain: must be in 0..100");
   expect(replaced(kMinimal, "domain", "domian"), "1: domain: missing");
   expect(kMinimal + "tolerance: {}\n", "8: tolerance: unknown key");
   expect(replaced(kMinimal, "/left/image_raw", "left"), "3: topics.left.name: 'left' is not");

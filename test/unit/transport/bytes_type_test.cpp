@@ -31,6 +31,12 @@ TEST(BytesType, HasTheNameAndTheKeysOfTheGeneratedType) {
   EXPECT_FALSE(instance_with(numbered_submap(1, "robot_18").payload) == expected);
 }
 
+TEST(BytesType, MayHaveANameAlone) {
+  BytesType type("sensor_msgs::msg::dds_::Imu_");
+  EXPECT_STREQ(type.getName(), "sensor_msgs::msg::dds_::Imu_");
+  EXPECT_FALSE(type.m_isGetKeyDefined);
+}
+
 TEST(BytesType, LetsBytesThroughAsTheyAre) {
   BytesType type = submap_type();
   Bytes bytes = numbered_submap(1).payload;

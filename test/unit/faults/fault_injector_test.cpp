@@ -1,4 +1,4 @@
-#include "deploy/replay/fault_injector.hpp"
+#include "deploy/faults/fault_injector.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,157 @@
+#include "robot/node/live_sensors.hpp"
+
+#include <utility>
+
+#include "robot/node/sensor_topics.hpp"
+#include "shared/core/boot_time.hpp"
+#include "shared/core/cpu_time.hpp"
+#include "shared/ros2/image_codec.hpp"
+#include "shared/ros2/imu_codec.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr std::chrono::milliseconds kPollInterval(10);  // as SensorAssembler::poll() asks for
+
+// What may wait for the thread that decodes: half a second of images, two of an IMU at 1 kHz.
+constexpr std::size_t kMaxImages = 10;
+constexpr std::size_t kMaxImu = 2000;
+
+// Numbers of subscriptions().
+constexpr std::size_t kLeft = 0;
+constexpr std::size_t kRight = 1;
+constexpr std::size_t kImu = 2;
+
+std::vector<Ros2Subscription> subscriptions(const SensorsConfig& config) {
+  return {{image_topic(config.left), kMaxImages},
+          {image_topic(config.right), kMaxImages},
+          {imu_topic(config.imu), kMaxImu}};
+}
+
+SensorAssembler::Config assembler_config(const SensorsConfig& config, const SensorRig& rig) {
+  SensorAssembler::Config assembler = config.assembler;
+  assembler.camera_time_shift = rig.camera_time_shift;
+  return assembler;
+}
+
+SensorAssembler::Topics names(const SensorsConfig& config) {
+  return {.left = config.left.topic.name, .right = config.right.topic.name, .imu = config.imu.name};
+}
+
+}  // namespace
+
+LiveSensors::LiveSensors(const SensorsConfig& config,
+                         const SensorRig& rig,
+                         Ros2Participant& participant,
+                         Say say)
+    : config_(config),
+      say_(std::move(say)),
+      topics_(participant, subscriptions(config)),
+      assembler_(assembler_config(config, rig), names(config), rig.cameras),
+      thread_([this](const std::stop_token& stop) { listen(stop); }) {}
+
+std::optional<SensorMeasurement> LiveSensors::next(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  std::optional<SensorMeasurement> measurement;
+  given_.wait(lock, stop, [&] {
+    measurement = assembler_.take();
+    return measurement || error_;
+  });
+  if (stop.stop_requested()) return std::nullopt;
+  if (!measurement) std::rethrow_exception(error_);
+  return measurement;
+}
+
+std::map<std::string, std::uint64_t> LiveSensors::close() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  return faults();
+}
+
+void LiveSensors::listen(const std::stop_token& stop) {
+  try {
+    while (!stop.stop_requested()) {
+      const auto sample = topics_.take(stop, kPollInterval);
+      if (sample) {
+        add(*sample);
+      } else {
+        poll(boot_time());
+      }
+      for (const std::string& event : take_events()) say_(event);
+      given_.notify_one();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    error_ = std::current_exception();
+    given_.notify_one();
+  }
+}
+
+void LiveSensors::add(const Ros2Sample& sample) {
+  if (sample.topic == kImu) return add_imu(sample);
+  add_image(sample.topic == kLeft ? Side::kLeft : Side::kRight, sample);
+}
+
+void LiveSensors::add_image(Side side, const Ros2Sample& sample) {
+  const ImageTopic& its = side == Side::kLeft ? config_.left : config_.right;
+  const bool is_raw = its.transport == ImageTransport::kRaw;
+  const Duration begin = thread_cpu_time();
+  auto image = is_raw ? decode_image(sample.payload) : decode_compressed_image(sample.payload);
+  const Duration cpu = thread_cpu_time() - begin;
+  const std::lock_guard lock(mutex_);
+  if (!image) return refuse(its.topic.name, "images_", image.error(), sample.arrival);
+  const Timestamp stamp = image->header.stamp;
+  if (side == Side::kLeft) {
+    assembler_.add_left(stamp, std::move(image->gray), sample.arrival, cpu);
+  } else {
+    assembler_.add_right(stamp, std::move(image->gray), sample.arrival, cpu);
+  }
+}
+
+void LiveSensors::add_imu(const Ros2Sample& sample) {
+  const auto message = decode_imu(sample.payload);
+  const std::lock_guard lock(mutex_);
+  if (!message) return refuse(config_.imu.name, "imu_", message.error(), sample.arrival);
+  assembler_.add_imu(message->sample, sample.arrival);
+}
+
+void LiveSensors::refuse(const std::string& topic,
+                         const std::string& kind,
+                         Ros2Refusal reason,
+                         ArrivalTime arrival) {
+  const std::string reason_name(name(reason));
+  ++refused_[kind + reason_name];
+  assembler_.poll(arrival);
+  if (!complaints_.is_new(topic + reason_name, arrival)) return;
+  refusals_.push_back(topic + ": messages are not used: " + reason_name);
+}
+
+// Only while nothing waits: messages tell the time by their arrival, and what the clock says now
+// would let the assembler give up on those behind them.
+void LiveSensors::poll(ArrivalTime now) {
+  const std::lock_guard lock(mutex_);
+  assembler_.poll(now);
+}
+
+std::vector<std::string> LiveSensors::take_events() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> events = std::exchange(refusals_, {});
+  for (std::string& event : assembler_.take_events()) events.push_back(std::move(event));
+  return events;
+}
+
+std::map<std::string, std::uint64_t> LiveSensors::faults() const {
+  const std::lock_guard lock(mutex_);
+  std::map<std::string, std::uint64_t> faults = assembler_.faults();
+  for (const auto& [kind, count] : refused_) faults[kind] += count;
+  faults["dropped_images"] += topics_.dropped(kLeft) + topics_.dropped(kRight);
+  faults["dropped_imu_backlog"] += topics_.dropped(kImu);
+  return faults;
+}
+
+std::vector<std::string> LiveSensors::silent_topics() const {
+  const std::lock_guard lock(mutex_);
+  return assembler_.silent_topics();
+}
+
+}  // namespace fleetloc
