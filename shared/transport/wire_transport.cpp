@@ -278,6 +278,7 @@ void Transport::send_copies(rtps::SenderResource* socket,
                             RtpsBytes datagram,
                             const fdr::LocatorList& destinations,
                             Clock::time_point now) {
+  if (!strangers_.is_known()) return;           // nobody would understand it
   if (participant_sample_in(datagram)) return;  // as often as the profile says
   const auto discovery = DiscoveryDatagram::read(datagram);
   if (!discovery) return;

@@ -27,6 +27,7 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
                                                                            const GuidPrefix& own,
                                                                            Time now) {
   const bool knows_us = is_addressed(datagram, own);
+  if (knows_us) is_known_.store(true, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   if (strangers_.size() > kManyStrangers) {
     std::erase_if(strangers_, [&](const auto& one) { return now - one.second.heard > kForgotten; });

@@ -4,6 +4,7 @@
 // that is lost, the other side learns of it from the next periodic one, 10 to 60 s later.
 // Delete when: it is repeated until the other side answers.
 
+#include <atomic>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -32,6 +33,9 @@ class AnnouncementRepetition {
   /// the announcement is due, and this is the pause until again() is to be asked again.
   std::optional<Pause> again(const GuidPrefix& participant);
 
+  /// Whether anybody has shown that it knows this participant.
+  [[nodiscard]] bool is_known() const { return is_known_.load(std::memory_order_relaxed); }
+
  private:
   struct Stranger {
     Time heard{};
@@ -39,6 +43,7 @@ class AnnouncementRepetition {
     int tries = 0;
   };
 
+  std::atomic<bool> is_known_ = false;
   std::mutex mutex_;
   std::map<GuidPrefix, Stranger> strangers_;  // guarded by mutex_
 };

@@ -61,7 +61,9 @@ TEST_F(AnnouncementRepetitionTest, IsToldOfEachOnce) {
 
 TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
   ASSERT_TRUE(hear(announcement()));
+  EXPECT_FALSE(repetition_.is_known());
   EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
+  EXPECT_TRUE(repetition_.is_known());
   EXPECT_FALSE(repetition_.again(kOther));
 }
 
