@@ -18,8 +18,7 @@ constexpr const char* kDescription =
     "sensor_msgs/Image (mono8) and sensor_msgs/Imu as ROS 2 has them on the wire, over DDS and "
     "without ROS.\n\n"
     "It stays on this computer (loopback). Topics, their QoS and the domain are those of "
-    "--sensors, "
-    "the file that is given to fleetloc-robot, too; without it /camera/left/image_raw, "
+    "--sensors, the file that is given to fleetloc-robot, too; without it /camera/left/image_raw, "
     "/camera/right/image_raw and /imu in domain 0. Stamps are those of the recording, in each loop "
     "again: the clock is set back between them. Ctrl-C ends it.";
 

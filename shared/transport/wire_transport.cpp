@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -15,6 +14,7 @@
 
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/discovery_pacing.hpp"
+#include "shared/transport/latest_announcement.hpp"
 #include "shared/transport/locators.hpp"
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/announcement_repetition.hpp"
@@ -62,30 +62,6 @@ class Descriptor final : public fdr::ChainingTransportDescriptor {
 
  private:
   std::shared_ptr<WireLink> link_;
-};
-
-/// How this participant announced itself last, and where to. Any thread may use any function.
-class LatestAnnouncement {
- public:
-  void sent(RtpsBytes datagram, const fdr::LocatorList& destinations) {
-    if (!participant_sample_in(datagram)) return;
-    const std::lock_guard lock(mutex_);
-    datagram_.clear();  // nobody who has said that he goes is announced again
-    if (!is_announcement(datagram)) return;
-    datagram_.assign(datagram.begin(), datagram.end());
-    destinations_ = destinations;
-  }
-
-  /// Empty until there is one.
-  [[nodiscard]] std::pair<std::vector<std::uint8_t>, fdr::LocatorList> latest() const {
-    const std::lock_guard lock(mutex_);
-    return {datagram_, destinations_};
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::uint8_t> datagram_;  // guarded by mutex_
-  fdr::LocatorList destinations_;       // guarded by mutex_
 };
 
 /// Calls what observes, selects or delays datagrams, in the order of shared/README.md, "How a

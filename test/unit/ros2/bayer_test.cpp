@@ -32,9 +32,7 @@ cv::Mat seen(const std::string& pattern, Color left, Color right) {
       data.push_back(channel(x < kSize / 2 ? left : right, pattern[2 * (y % 2) + x % 2]));
     }
   }
-  return decode_image(to_cdr(raw_image(kSize, kSize, "bayer_" + pattern + "8", data)))
-      .value()
-      .gray;
+  return decode_image(to_cdr(raw_image(kSize, kSize, "bayer_" + pattern + "8", data))).value().gray;
 }
 
 void expect_gray(const cv::Mat& gray, int first_column, int end_column, Color color) {
