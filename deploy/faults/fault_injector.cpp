@@ -19,17 +19,35 @@ constexpr std::array kKinds{FaultKind::kBlackImages,
                             FaultKind::kDroppedFrames,
                             FaultKind::kDoubledFrames,
                             FaultKind::kDisorderedFrames,
+                            FaultKind::kResizedImages,
+                            FaultKind::kZeroImageStamps,
                             FaultKind::kImuGap,
                             FaultKind::kDoubledImu,
                             FaultKind::kDisorderedImu,
-                            FaultKind::kNonFiniteImu};
+                            FaultKind::kNonFiniteImu,
+                            FaultKind::kZeroImuStamps,
+                            FaultKind::kClockStep};
 
 constexpr bool is_of_images(FaultKind kind) {
-  return kind <= FaultKind::kDisorderedFrames;
+  return kind <= FaultKind::kZeroImageStamps;
+}
+
+constexpr bool is_of_the_imu(FaultKind kind) {
+  return !is_of_images(kind) && kind != FaultKind::kClockStep;
 }
 
 constexpr bool has_share(FaultKind kind) {
-  return kind >= FaultKind::kDroppedFrames && kind != FaultKind::kImuGap;
+  switch (kind) {
+    case FaultKind::kDroppedFrames:
+    case FaultKind::kDoubledFrames:
+    case FaultKind::kDisorderedFrames:
+    case FaultKind::kDoubledImu:
+    case FaultKind::kDisorderedImu:
+    case FaultKind::kNonFiniteImu:
+      return true;
+    default:
+      return false;
+  }
 }
 
 FaultKind kind_named(const std::string& text, const std::string& origin) {
@@ -48,6 +66,11 @@ Fault read_fault(ConfigReader& config, const std::string& origin) {
   fault.start_s = config.get<double>("start_s");
   const bool valid = fault.start_s >= 0.0 && fault.start_s <= kLongest;  // false for NaN
   if (!valid) throw ConfigError(origin + ": start_s: must be in 0..1e6");
+  if (fault.kind == FaultKind::kClockStep) {
+    constexpr double kLargestStep = 1e8;  // three years
+    fault.step_s = config.number("step_s", -kLargestStep, kLargestStep);
+    return fault;
+  }
   fault.duration_s = config.positive("duration_s");
   if (fault.duration_s > kLongest) throw ConfigError(origin + ": duration_s: must be at most 1e6");
   if (has_share(fault.kind)) fault.share = config.positive("share");
@@ -62,12 +85,20 @@ void paint(StereoFrame& frame, int gray) {
   }
 }
 
+void cut_out(StereoFrame& frame) {
+  for (cv::Mat* image : {&frame.left, &frame.right}) {
+    if (image->rows < 2 || image->cols < 2) continue;
+    *image = (*image)(cv::Rect(0, 0, image->cols / 2, image->rows / 2)).clone();
+  }
+}
+
 /// @param last  the frame before, if there was one
 void inject_fault(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
   if (kind == FaultKind::kBlackImages) paint(frame, 0);
   if (kind == FaultKind::kSaturatedImages) paint(frame, std::numeric_limits<uchar>::max());
   if (kind == FaultKind::kMissingLeft) frame.left = cv::Mat();
   if (kind == FaultKind::kMissingRight) frame.right = cv::Mat();
+  if (kind == FaultKind::kResizedImages) cut_out(frame);
   if (kind == FaultKind::kFrozenImages && last != nullptr && !last->left.empty()) {
     frame.left = last->left;
     frame.right = last->right;
@@ -78,7 +109,7 @@ void inject_fault(StereoFrame& frame, FaultKind kind, const StereoFrame* last) {
 void inject_fault(TrackedFrame& frame, FaultKind kind, const TrackedFrame* last) {
   const bool hides_landmarks = kind == FaultKind::kBlackImages ||
                                kind == FaultKind::kSaturatedImages ||
-                               kind == FaultKind::kMissingLeft;
+                               kind == FaultKind::kMissingLeft || kind == FaultKind::kResizedImages;
   if (hides_landmarks) frame.observations.clear();
   if (kind == FaultKind::kMissingRight) {
     for (StereoObservation& observation : frame.observations) observation.disparity = 0.0;
@@ -106,6 +137,10 @@ std::string_view name(FaultKind kind) {
       return "doubled_frames";
     case FaultKind::kDisorderedFrames:
       return "disordered_frames";
+    case FaultKind::kResizedImages:
+      return "resized_images";
+    case FaultKind::kZeroImageStamps:
+      return "zero_image_stamps";
     case FaultKind::kImuGap:
       return "imu_gap";
     case FaultKind::kDoubledImu:
@@ -114,6 +149,10 @@ std::string_view name(FaultKind kind) {
       return "disordered_imu";
     case FaultKind::kNonFiniteImu:
       return "non_finite_imu";
+    case FaultKind::kZeroImuStamps:
+      return "zero_imu_stamps";
+    case FaultKind::kClockStep:
+      return "clock_step";
   }
   return "unknown";
 }
@@ -189,12 +228,14 @@ void FaultInjector::take(CameraFrame frame) {
   bool dropped = false;
   bool doubled = false;
   bool late = false;
+  bool no_stamp = false;
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     const FaultKind kind = plan_.faults[i].kind;
     if (!is_of_images(kind) || !occurs(i, stamp)) continue;
     dropped = dropped || kind == FaultKind::kDroppedFrames;
     doubled = doubled || kind == FaultKind::kDoubledFrames;
     late = late || kind == FaultKind::kDisorderedFrames;
+    no_stamp = no_stamp || kind == FaultKind::kZeroImageStamps;
     std::visit(
         [&]<typename Frame>(Frame& any) {
           inject_fault(any, kind, last_frame_ ? std::get_if<Frame>(&*last_frame_) : nullptr);
@@ -202,17 +243,21 @@ void FaultInjector::take(CameraFrame frame) {
         frame);
   }
   last_frame_ = frame;
+  std::visit([&](auto& any) { any.stamp = no_stamp ? Timestamp{} : any.stamp + clock_ahead_; },
+             frame);
   if (!dropped) deliver(std::move(frame), late_frame_, doubled, late);
 }
 
 void FaultInjector::take(const ImuSample& sample) {
+  step_clock(sample.stamp);
   ImuSample faulty = sample;
+  faulty.stamp += clock_ahead_;
   bool dropped = false;
   bool doubled = false;
   bool late = false;
   for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
     const FaultKind kind = plan_.faults[i].kind;
-    if (is_of_images(kind) || !occurs(i, sample.stamp)) continue;
+    if (!is_of_the_imu(kind) || !occurs(i, sample.stamp)) continue;
     dropped = dropped || kind == FaultKind::kImuGap;
     doubled = doubled || kind == FaultKind::kDoubledImu;
     late = late || kind == FaultKind::kDisorderedImu;
@@ -220,8 +265,23 @@ void FaultInjector::take(const ImuSample& sample) {
       faulty.angular_velocity.x() = std::numeric_limits<double>::quiet_NaN();
       faulty.specific_force.z() = std::numeric_limits<double>::infinity();
     }
+    if (kind == FaultKind::kZeroImuStamps) faulty.stamp = Timestamp{};
   }
   if (!dropped) deliver(faulty, late_sample_, doubled, late);
+}
+
+// The IMU's clock is the robot's: frames between its last sample and the step keep the old one.
+void FaultInjector::step_clock(Timestamp stamp) {
+  for (std::size_t i = 0; i < plan_.faults.size(); ++i) {
+    const Fault& fault = plan_.faults[i];
+    if (fault.kind != FaultKind::kClockStep || injected_[i] > 0) continue;
+    if (stamp - start_ < from_seconds(fault.start_s)) continue;
+    ++injected_[i];
+    clock_ahead_ += from_seconds(fault.step_s);
+    ready_.push_back(
+        ClockStep{.stamp = stamp + clock_ahead_, .unseen = stamp - last_imu_.value_or(stamp)});
+  }
+  last_imu_ = stamp;
 }
 
 void FaultInjector::take(const ClockStep& step) {

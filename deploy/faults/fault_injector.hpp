@@ -24,10 +24,14 @@ enum class FaultKind {
   kDroppedFrames,
   kDoubledFrames,
   kDisorderedFrames,  ///< a frame arrives after its successor
+  kResizedImages,     ///< as of another mode of the camera: their upper left quarter
+  kZeroImageStamps,   ///< nobody has set them
   kImuGap,
   kDoubledImu,
   kDisorderedImu,  ///< a sample arrives after its successor
   kNonFiniteImu,
+  kZeroImuStamps,
+  kClockStep,  ///< of the whole robot: it stays set
 };
 
 /// Its name in files, e.g. "black_images".
@@ -38,7 +42,8 @@ struct Fault {
   FaultKind kind{};
   double start_s = 0.0;
   double duration_s = 0.0;
-  double share = 1.0;  ///< of the measurements, drawn at random
+  double share = 1.0;   ///< of the measurements, drawn at random
+  double step_s = 0.0;  ///< of a clock step: forward, or back; it has no duration
 };
 
 struct FaultPlan {
@@ -47,16 +52,17 @@ struct FaultPlan {
 };
 
 /// `seed`, and a list `faults` of {kind, start_s, duration_s}, to which dropped, doubled,
-/// disordered and non-finite measurements add `share`.
+/// disordered and non-finite measurements add `share`; {kind: clock_step, start_s, step_s}.
 FaultPlan read_fault_plan(ConfigReader config);
 
-/// A recording with the faults of a plan. Causal, and the same for one seed.
+/// A recording with the faults of a plan. Causal, and the same for one seed. A ClockStep comes with
+/// each clock_step, as from live sensors; who publishes the rest leaves it out.
 class FaultInjector final : public SensorSource {
  public:
   /// @param start  from which the plan counts time
   FaultInjector(std::unique_ptr<SensorSource> recording, Timestamp start, FaultPlan plan);
 
-  /// Stamps may repeat and go back.
+  /// Stamps may repeat, go back and be zero.
   std::optional<SensorMeasurement> next(const std::stop_token& stop) override;
   using SensorSource::next;
 
@@ -73,6 +79,7 @@ class FaultInjector final : public SensorSource {
   void take(CameraFrame frame);
   void take(const ImuSample& sample);
   void take(const ClockStep& step);
+  void step_clock(Timestamp stamp);
   void deliver(SensorMeasurement measurement,
                std::optional<SensorMeasurement>& held_back,
                bool twice,
@@ -86,6 +93,8 @@ class FaultInjector final : public SensorSource {
   std::optional<CameraFrame> last_frame_;  // before its successor came, as it was given out
   std::optional<SensorMeasurement> late_frame_;
   std::optional<SensorMeasurement> late_sample_;
+  Duration clock_ahead_{};             // of the recording's
+  std::optional<Timestamp> last_imu_;  // by the recording's clock
   std::deque<SensorMeasurement> ready_;
 };
 

@@ -8,7 +8,6 @@
 #include <spdlog/spdlog.h>
 
 #include "deploy/play/default_sensors.hpp"
-#include "robot/dataset/dataset_reader.hpp"
 #include "robot/node/dataset_player.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/config/progress_line.hpp"
@@ -32,12 +31,17 @@ SensorsConfig read_sensors(const PlayOptions& options) {
 Player::Player(const PlayOptions& options)
     : options_(options), sensors_(read_sensors(options)), first_(opened()), publisher_(sensors_) {}
 
-std::unique_ptr<SensorSource> Player::opened() const {
-  auto reader = std::make_unique<DatasetReader>(DatasetReader::Options{
+std::unique_ptr<DatasetReader> Player::opened() const {
+  return std::make_unique<DatasetReader>(DatasetReader::Options{
       .folder = options_.dataset, .start_s = options_.start_s, .duration_s = options_.duration_s});
-  if (!options_.faults) return reader;
-  const Timestamp start = reader->recording_start();
-  return std::make_unique<FaultInjector>(std::move(reader), start, *options_.faults);
+}
+
+// The recording's own stamps set the pace, not those that a fault has changed.
+std::unique_ptr<SensorSource> Player::in_real_time(std::unique_ptr<DatasetReader> recording) const {
+  const Timestamp start = recording->recording_start();
+  auto played = std::make_unique<DatasetPlayer>(std::move(recording), options_.rate);
+  if (!options_.faults) return played;
+  return std::make_unique<FaultInjector>(std::move(played), start, *options_.faults);
 }
 
 void Player::run(const std::stop_token& stop) {
@@ -49,8 +53,9 @@ void Player::run(const std::stop_token& stop) {
                sensors_.domain);
   wait_for_readers(stop);
   do {
-    DatasetPlayer recording(first_ ? std::move(first_) : opened(), options_.rate);
-    play(recording, stop);
+    const auto recording = in_real_time(first_ ? std::move(first_) : opened());
+    spdlog::info("playing");
+    play(*recording, stop);
   } while (options_.loop && !stop.stop_requested());
   const SensorPublisher::Counts& counts = publisher_.counts();
   spdlog::info("published {} left and {} right images, {} IMU samples",

@@ -8,6 +8,7 @@
 
 #include "deploy/faults/fault_injector.hpp"
 #include "deploy/play/sensor_publisher.hpp"
+#include "robot/dataset/dataset_reader.hpp"
 
 namespace fleetloc {
 
@@ -34,13 +35,15 @@ class Player {
   void run(const std::stop_token& stop);
 
  private:
-  [[nodiscard]] std::unique_ptr<SensorSource> opened() const;
+  [[nodiscard]] std::unique_ptr<DatasetReader> opened() const;
+  [[nodiscard]] std::unique_ptr<SensorSource> in_real_time(
+      std::unique_ptr<DatasetReader> recording) const;
   void wait_for_readers(const std::stop_token& stop) const;
   void play(SensorSource& recording, const std::stop_token& stop);
 
   PlayOptions options_;
   SensorsConfig sensors_;
-  std::unique_ptr<SensorSource> first_;  // opened before it begins, so that errors come early
+  std::unique_ptr<DatasetReader> first_;  // opened before it begins, so that errors come early
   SensorPublisher publisher_;
   std::uint64_t loops_ = 0;
 };

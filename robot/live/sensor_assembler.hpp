@@ -34,7 +34,8 @@ class SensorAssembler {
   struct Config {
     Duration pairing = std::chrono::milliseconds(4);    ///< largest difference in a pair
     Duration max_wait = std::chrono::milliseconds(50);  ///< for the partner, and then for the IMU
-    Duration silence = std::chrono::seconds(2);         ///< of a topic, before it is said
+    /// Of a topic, before it is said: of the IMU, the shortest gap that resets the odometry.
+    Duration silence = std::chrono::milliseconds(500);
     /// What a frame may be from the newest IMU sample: the odometry holds it that long, no longer.
     Duration max_ahead_of_imu = std::chrono::milliseconds(500);
     Duration max_behind_imu = std::chrono::seconds(1);

@@ -24,8 +24,10 @@ std::optional<std::string> TopicWatch::arrived(ArrivalTime now) {
 }
 
 std::optional<std::string> TopicWatch::check(ArrivalTime now) {
+  constexpr int kPatience = 4;  // drivers start when they start
   if (!last_) last_ = now;
-  if (silent_ || now - *last_ < silence_) return std::nullopt;
+  const Duration limit = ever_ ? silence_ : kPatience * silence_;
+  if (silent_ || now - *last_ < limit) return std::nullopt;
   silent_ = true;
   return topic_ + (ever_ ? ": no message for " : ": no message has come for ") +
          seconds_text(now - *last_);

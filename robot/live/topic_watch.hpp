@@ -13,6 +13,7 @@ namespace fleetloc {
 /// Notices that nothing comes on a topic, and that it is back. Each once, as a sentence.
 class TopicWatch {
  public:
+  /// @param silence  is said after this; four times that before the first message
   TopicWatch(std::string topic, Duration silence) : topic_(std::move(topic)), silence_(silence) {}
 
   /// A message, whatever it holds.

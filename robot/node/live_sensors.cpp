@@ -7,6 +7,7 @@
 #include "shared/core/cpu_time.hpp"
 #include "shared/ros2/image_codec.hpp"
 #include "shared/ros2/imu_codec.hpp"
+#include "shared/transport/ros2/receive_buffers.hpp"
 
 namespace fleetloc {
 namespace {
@@ -77,6 +78,7 @@ void LiveSensors::listen(const std::stop_token& stop) {
       } else {
         poll(boot_time());
       }
+      check_buffers(boot_time());
       for (const std::string& event : take_events()) say_(event);
       given_.notify_one();
     }
@@ -133,6 +135,18 @@ void LiveSensors::poll(ArrivalTime now) {
   assembler_.poll(now);
 }
 
+void LiveSensors::check_buffers(ArrivalTime now) {
+  constexpr std::chrono::seconds kInterval(1);
+  if (now < next_check_) return;
+  next_check_ = now + kInterval;
+  const BufferLoss loss = buffer_loss(static_cast<std::uint32_t>(config_.domain));
+  const std::lock_guard lock(mutex_);
+  if (loss.datagrams <= lost_datagrams_) return;
+  lost_datagrams_ = loss.datagrams;
+  if (!complaints_.is_new("receive buffers", now)) return;
+  refusals_.push_back(buffer_advice(loss, rmem_max_bytes()));
+}
+
 std::vector<std::string> LiveSensors::take_events() {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> events = std::exchange(refusals_, {});
@@ -146,6 +160,7 @@ std::map<std::string, std::uint64_t> LiveSensors::faults() const {
   for (const auto& [kind, count] : refused_) faults[kind] += count;
   faults["dropped_images"] += topics_.dropped(kLeft) + topics_.dropped(kRight);
   faults["dropped_imu_backlog"] += topics_.dropped(kImu);
+  faults["datagrams_without_room"] += lost_datagrams_;
   return faults;
 }
 

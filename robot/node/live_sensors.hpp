@@ -22,7 +22,8 @@ namespace fleetloc {
 
 /// Measurements from topics of ROS 2. A thread of its own decodes what arrives and feeds the
 /// SensorAssembler, so that silence is noticed also while nobody takes anything. A message that
-/// cannot be used is counted and said, and never ends anything. Has no end but a stop.
+/// cannot be used is counted and said, and never ends anything. What the kernel drops for want of
+/// room is said with the setting to raise. Has no end but a stop.
 class LiveSensors final : public SensorSource {
  public:
   /// Takes a sentence for the log, from the thread of the sensors.
@@ -41,7 +42,8 @@ class LiveSensors final : public SensorSource {
   std::map<std::string, std::uint64_t> close() override;
 
   /// Those of the SensorAssembler; "images_" and "imu_" by Ros2Refusal; "dropped_images" and
-  /// "dropped_imu_backlog": not decoded in time. Any thread.
+  /// "dropped_imu_backlog": not decoded in time; "datagrams_without_room": dropped by the kernel.
+  /// Any thread.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
   /// Topics on which nothing usable comes at present. Any thread.
@@ -50,6 +52,7 @@ class LiveSensors final : public SensorSource {
  private:
   void listen(const std::stop_token& stop);
   void poll(ArrivalTime now);
+  void check_buffers(ArrivalTime now);
   void add(const Ros2Sample& sample);
   void add_image(Side side, const Ros2Sample& sample);
   void add_imu(const Ros2Sample& sample);
@@ -65,12 +68,14 @@ class LiveSensors final : public SensorSource {
 
   mutable std::mutex mutex_;
   std::condition_variable_any given_;
-  SensorAssembler assembler_;                     // guarded by mutex_, as are the next four
+  SensorAssembler assembler_;                     // guarded by mutex_, as are the next five
   std::map<std::string, std::uint64_t> refused_;  // by kind and reason
   Complaints complaints_;
   std::vector<std::string> refusals_;  // to be said
   std::exception_ptr error_;
-  std::jthread thread_;  // last: uses the others
+  std::uint64_t lost_datagrams_ = 0;
+  ArrivalTime next_check_;  // of the buffers; used by the thread only
+  std::jthread thread_;     // last: uses the others
 };
 
 }  // namespace fleetloc

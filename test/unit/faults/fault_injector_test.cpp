@@ -47,6 +47,7 @@ std::filesystem::path written_recording() {
 struct Played {
   std::vector<StereoFrame> frames;
   std::vector<ImuSample> imu;
+  std::vector<ClockStep> steps;
   std::map<std::string, std::uint64_t> faults;
 };
 
@@ -61,6 +62,10 @@ Played play(const FaultPlan& plan, double start_s = 0.0) {
       played.frames.push_back(std::get<StereoFrame>(*frame));
     }
     if (auto* sample = std::get_if<ImuSample>(&*item)) played.imu.push_back(*sample);
+    if (auto* step = std::get_if<ClockStep>(&*item)) {
+      EXPECT_EQ(played.imu.size(), 201U);  // it comes before its first sample
+      played.steps.push_back(*step);
+    }
   }
   EXPECT_FALSE(input.next());
   played.faults = input.close();
@@ -146,6 +151,46 @@ TEST(FaultInjector, MakesImuSamplesThatAreNotFinite) {
   EXPECT_GT(broken, 0);
 }
 
+TEST(FaultInjector, CutsImagesToAnotherSize) {
+  const Played played = play(FaultKind::kResizedImages, 0.5, 0.2);
+  EXPECT_EQ(played.frames[9].left.size(), cv::Size(16, 12));
+  EXPECT_EQ(played.frames[10].left.size(), cv::Size(8, 6));
+  EXPECT_EQ(played.frames[13].right.size(), cv::Size(8, 6));
+  EXPECT_EQ(gray(played.frames[13].right), 23);
+  EXPECT_EQ(played.frames[14].right.size(), cv::Size(16, 12));
+}
+
+TEST(FaultInjector, TakesStampsAway) {
+  const auto without = [](const auto& measurements) {
+    return std::ranges::count(measurements, Timestamp{}, [](const auto& one) { return one.stamp; });
+  };
+  const Played images = play(FaultKind::kZeroImageStamps, 0.5, 0.2);
+  EXPECT_EQ(without(images.frames), 1 + 4);  // the recording starts at zero
+  EXPECT_EQ(without(images.imu), 1);
+  const Played imu = play(FaultKind::kZeroImuStamps, 0.5, 0.2);
+  EXPECT_EQ(without(imu.frames), 1);
+  EXPECT_EQ(without(imu.imu), 1 + 40);
+}
+
+TEST(FaultInjector, SetsTheClockOfImuAndCamerasForGood) {
+  const FaultPlan plan{
+      .seed = 3, .faults = {{.kind = FaultKind::kClockStep, .start_s = 1.003, .step_s = -10.0}}};
+  const Played played = play(plan);
+  const auto stamp_ms = [](const auto& one) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(one.stamp.time_since_epoch())
+        .count();
+  };
+  EXPECT_EQ(stamp_ms(played.imu[200]), 1000);
+  EXPECT_EQ(stamp_ms(played.imu[201]), 1005 - 10000);
+  EXPECT_EQ(stamp_ms(played.imu[390]), 1950 - 10000);
+  EXPECT_EQ(stamp_ms(played.frames[20]), 1000);
+  EXPECT_EQ(stamp_ms(played.frames[21]), 1050 - 10000);
+  ASSERT_EQ(played.steps.size(), 1U);
+  EXPECT_EQ(stamp_ms(played.steps[0]), 1005 - 10000);
+  EXPECT_EQ(played.steps[0].unseen, Duration(std::chrono::milliseconds(5)));
+  EXPECT_EQ(played.faults.at("injected_clock_step"), 1U);
+}
+
 TEST(FaultInjector, CountsTimeFromTheFirstImageOfTheRecordingWhateverPartIsPlayed) {
   const FaultPlan plan{.seed = 1, .faults = {{FaultKind::kBlackImages, 1.0, 0.1, 1.0}}};
   const Played played = play(plan, 0.9);
@@ -192,6 +237,11 @@ TEST(FaultPlan, IsReadStrictly) {
               HasSubstr("duration_s: must be positive"));
   EXPECT_THAT(error_of(one + "{kind: imu_gap, start_s: 0, duration_s: 1, share: 1}"),
               AllOf(HasSubstr("line 3: faults[0]"), HasSubstr("share: unknown key")));
+  EXPECT_THAT(error_of(one + "{kind: clock_step, start_s: 0, duration_s: 1}"),
+              HasSubstr("step_s: missing"));
+  EXPECT_THAT(error_of(one + "{kind: clock_step, start_s: 0, step_s: .nan}"), HasSubstr("step_s"));
+  EXPECT_THAT(error_of(one + "{kind: clock_step, start_s: 0, step_s: 1, duration_s: 1}"),
+              HasSubstr("duration_s: unknown key"));
   EXPECT_THAT(error_of(one + "{kind: doubled_imu, start_s: 0, duration_s: 1, share: 2}"),
               HasSubstr("share: must be at most 1"));
 }

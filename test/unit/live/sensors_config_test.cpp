@@ -72,7 +72,7 @@ TEST(SensorsConfig, NeedsTopicsAndACalibrationOnly) {
   EXPECT_EQ(files.camchain, test_folder() / "chain.yaml");
   EXPECT_EQ(files.imu, "/etc/imu.yaml");
   EXPECT_EQ(config.frames.base, "base_link");
-  EXPECT_EQ(config.assembler.silence, Duration(2s));
+  EXPECT_EQ(config.assembler.silence, Duration(500ms));
   EXPECT_FALSE(config.qos);
 }
 
