@@ -109,7 +109,8 @@ if [ "$mode" = tidy ]; then
   sh deploy/install-deps.sh clang-format clang-tidy || exit $?
   tidy "${2:-}"
 else
-  # A packet filter, and another kind of computer.
-  sh deploy/install-deps.sh nftables g++-aarch64-linux-gnu qemu-user-static || exit $?
+  # A packet filter, another kind of computer, and DDS of another vendor.
+  sh deploy/install-deps.sh nftables g++-aarch64-linux-gnu qemu-user-static \
+    cyclonedds-dev cyclonedds-tools || exit $?
   run_tests "$mode"
 fi
