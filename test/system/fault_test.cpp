@@ -1,21 +1,16 @@
 // fleetloc-replay --faults: each fault alone, on 20 s of a simulated and of a recorded flight,
 // against the ground truth.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 
-#include <Eigen/Cholesky>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "shared/config/delimited_file.hpp"
-#include "shared/trajectory/tum_file.hpp"
+#include "test/system/checked_frames.hpp"
 #include "test/system/recorded_flight.hpp"
 #include "test/system/simulated_flight.hpp"
 
@@ -59,51 +54,6 @@ std::vector<FaultCase> cases() {
        35,
        365},
   };
-}
-
-/// What is said of the position in the map at one frame, and how far off it is.
-struct CheckedFrame {
-  std::string state;
-  double error_m = 0.0;
-  double sigmas = 0.0;  ///< of the error, by the covariance that was stated with it
-};
-
-std::vector<CheckedFrame> checked_frames(const std::filesystem::path& run,
-                                         const RecordedFlight& flight) {
-  constexpr std::chrono::milliseconds kMaxGap{100};
-  const auto truth = read_trajectory(flight.ground_truth);
-  const auto estimate = read_trajectory(run / "localization_frames.tum");
-  DelimitedFile file(run / "diagnostics.csv", ',');
-  file.next();
-  const auto column = [&](const std::string& name) {
-    for (std::size_t i = 0; i < file.columns(); ++i) {
-      if (file.text(i) == name) return i;
-    }
-    throw std::runtime_error("no column " + name);
-  };
-  const std::array columns{column("cm44"),
-                           column("cm45"),
-                           column("cm46"),
-                           column("cm55"),
-                           column("cm56"),
-                           column("cm66")};
-  std::vector<CheckedFrame> frames;
-  for (const StampedPose& pose : estimate) {
-    while (file.next() && file.seconds(0) < pose.stamp) {
-    }
-    const auto T_map_body = interpolate(truth, pose.stamp, kMaxGap);
-    if (!T_map_body) continue;
-    std::array<double, 6> c{};
-    std::ranges::transform(columns, c.begin(), [&](std::size_t i) { return file.number(i); });
-    Eigen::Matrix3d covariance;  // in body axes
-    covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    const Eigen::Vector3d error =
-        pose.T_ref_body.R.conjugate() * (T_map_body->p - pose.T_ref_body.p);
-    frames.push_back({std::string(file.text(1)),
-                      error.norm(),
-                      std::sqrt(error.dot(covariance.ldlt().solve(error)))});
-  }
-  return frames;
 }
 
 /// What the faults are tried on.
@@ -157,18 +107,6 @@ class Faults : public testing::TestWithParam<FaultAtPlace> {
   const ScratchFolder scratch_;
   RecordedFlight flight_;
 };
-
-// Fails if any of them is confidently wrong.
-double worst_while_localized(const std::vector<CheckedFrame>& frames) {
-  double worst = 0.0;
-  for (const CheckedFrame& frame : frames) {
-    if (frame.state != "localized") continue;
-    worst = std::max(worst, frame.error_m);
-    EXPECT_FALSE(frame.error_m > 0.5 && frame.sigmas > 3.0)
-        << frame.error_m << " m, " << frame.sigmas << " sigmas";
-  }
-  return worst;
-}
 
 TEST_P(Faults, AreSurvivedCountedAndNeverMakeAPoseConfidentlyWrong) {
   const auto folder = replay();

@@ -1,0 +1,171 @@
+// fleetloc-play --faults and fleetloc-robot --sensors, in real time and with a localizer: what
+// goes wrong with topics, one after the other in a single flight.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/system/checked_frames.hpp"
+#include "test/system/dds_fixture.hpp"
+
+namespace fleetloc {
+namespace {
+
+using ::testing::Ge;
+
+constexpr const char* kRobot = "robot_1";
+constexpr const char* kDuration_s = "43";
+constexpr std::chrono::seconds kBack{10};
+constexpr std::chrono::seconds kForward{3600};
+constexpr double kLastFaultEnds_s = 40.0;
+
+/// A fault, and what the robot's log has to say of it.
+struct TopicFault {
+  double start_s;
+  std::string fault;  ///< the rest, in the file's own words
+  std::string named;
+};
+
+std::vector<TopicFault> topic_faults() {
+  return {{8.0, "kind: non_finite_imu, duration_s: 0.3, share: 0.2", "/imu: messages are not used"},
+          {10.0,
+           "kind: zero_image_stamps, duration_s: 0.5",
+           "/camera/left/image_raw: images have no stamps"},
+          {12.0, "kind: zero_imu_stamps, duration_s: 0.2", "/imu: samples have no stamps"},
+          {14.0,
+           "kind: resized_images, duration_s: 1.5",
+           "/camera/right/image_raw: images of 320x200 pixels are not used"},
+          {18.0, "kind: clock_step, step_s: -10", "/imu: its clock was set back by 10.0 s"},
+          {24.0, "kind: clock_step, step_s: 3600", "/imu: its clock was set forward by 3600.0 s"},
+          {30.0, "kind: imu_gap, duration_s: 1", "/imu: no message for"},
+          {35.0, "kind: missing_left, duration_s: 5", "/camera/left/image_raw: no message for"}};
+}
+
+/// A line of a log, and when it was written [s]: "[2024-05-01 12:00:00.123] [info] ...".
+struct LogLine {
+  double time_s = 0.0;
+  std::string text;
+};
+
+std::vector<LogLine> log_lines(const std::string& log) {
+  std::vector<LogLine> lines;
+  std::istringstream stream(log);
+  for (std::string line; std::getline(stream, line);) {
+    std::tm time{};
+    const char* rest = strptime(line.c_str(), "[%Y-%m-%d %H:%M:%S", &time);
+    if (rest == nullptr) continue;
+    time.tm_isdst = -1;
+    lines.push_back(
+        {static_cast<double>(std::mktime(&time)) + std::stod(std::string("0") + rest), line});
+  }
+  return lines;
+}
+
+std::optional<double> first_time(const std::vector<LogLine>& log,
+                                 const std::string& text,
+                                 double from_s = 0.0) {
+  for (const LogLine& line : log) {
+    if (line.time_s >= from_s && line.text.find(text) != std::string::npos) return line.time_s;
+  }
+  return std::nullopt;
+}
+
+class TopicFaults : public DdsFixture {
+ protected:
+  void SetUp() override {
+    if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
+    DdsFixture::SetUp();
+    std::ofstream(sensors_) << "domain: " << ros_domain_.number() << R"(
+topics:
+  left: {name: /camera/left/image_raw, qos: default}
+  right: {name: /camera/right/image_raw, qos: default}
+  imu: {name: /imu, qos: default}
+calibration:
+  euroc: {folder: )" << flight_.folder.string()
+                            << "}\n";
+    std::ofstream plan(faults_);
+    plan << "seed: 5\nfaults:\n";
+    for (const TopicFault& one : topic_faults()) {
+      plan << "  - {start_s: " << one.start_s << ", " << one.fault << "}\n";
+    }
+  }
+
+  [[nodiscard]] Arguments live_robot() const {
+    return {"--robot-id",
+            kRobot,
+            "--sensors",
+            sensors_.string(),
+            "--qos",
+            qos_,
+            "--domain",
+            network_.domain(),
+            "--initial-pose",
+            flight_.displaced_start_pose(),
+            "--out",
+            folder_of(kRobot).string()};
+  }
+
+  const TestDomain ros_domain_;
+  const std::filesystem::path sensors_ = scratch_ / "sensors.yaml";
+  const std::filesystem::path faults_ = scratch_ / "faults.yaml";
+};
+
+TEST_F(TopicFaults, AreSurvivedNamedWithinTwoSecondsAndNeverMakeAPoseConfidentlyWrong) {
+  ChildProgram localizer(FLEETLOC_CLOUD, cloud("localizer_1"));
+  ChildProgram robot(FLEETLOC_ROBOT, live_robot());
+  const Outcome played = run(FLEETLOC_PLAY,
+                             {flight_.folder.string(),
+                              "--sensors",
+                              sensors_.string(),
+                              "--faults",
+                              faults_.string(),
+                              "--duration",
+                              kDuration_s,
+                              "--wait",
+                              "60"});
+  robot.signal(SIGTERM);
+  const Outcome flown = robot.wait();
+  ASSERT_EQ(played.exit_code, 0) << played.errors;
+  ASSERT_EQ(flown.exit_code, 0) << flown.errors;
+
+  const auto begin = first_time(log_lines(played.output), "playing");
+  ASSERT_TRUE(begin) << played.output;
+  const auto log = log_lines(flown.output);
+  for (const TopicFault& fault : topic_faults()) {
+    constexpr double kSlack = 0.2;  // of the player: its own start, and the frames' interval
+    const double occurs_s = *begin + fault.start_s;
+    const auto named = first_time(log, fault.named, occurs_s - kSlack);
+    ASSERT_TRUE(named) << fault.named << '\n' << flown.output;
+    std::cout << "named after " << *named - occurs_s << " s: " << fault.named << '\n';
+    EXPECT_LE(*named - occurs_s, 2.0 + kSlack) << fault.named;
+  }
+
+  const auto frames = checked_frames(folder_of(kRobot), flight_, {-kBack, kForward});
+  ASSERT_FALSE(frames.empty());
+  std::cout << "worst while localized " << worst_while_localized(frames) << " m, in the end "
+            << frames.back().state << '\n';
+  const Duration in_flight = frames.back().stamp - first_frame(flight_.folder);
+  EXPECT_THAT(to_seconds(in_flight), Ge(kLastFaultEnds_s + 1.0));  // it goes on after all of them
+  const auto localized_after = [&](double begin_s, double end_s) {
+    return std::ranges::any_of(frames, [&](const CheckedFrame& frame) {
+      const double time_s = to_seconds(frame.stamp - first_frame(flight_.folder));
+      return time_s > begin_s && time_s < end_s && frame.state == "localized";
+    });
+  };
+  EXPECT_TRUE(localized_after(16.0, 18.0));
+  EXPECT_TRUE(localized_after(19.0, 24.0));
+  EXPECT_TRUE(localized_after(25.0, 30.0));
+}
+
+}  // namespace
+}  // namespace fleetloc
