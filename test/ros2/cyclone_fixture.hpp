@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "test/system/dds_fixture.hpp"
+#include "test/system/live_fixture.hpp"
 
 namespace fleetloc {
 
 /// fleetloc-robot on topics of ROS 2, beside nodes whose DDS is Eclipse Cyclone.
-class CycloneFixture : public DdsFixture {
+class CycloneFixture : public LiveFixture {
  protected:
   /// The receive buffer that every socket gets where net.core.rmem_max is the kernel's default,
   /// whatever it is here [bytes].
@@ -32,37 +32,12 @@ class CycloneFixture : public DdsFixture {
     std::ofstream(ros2_qos_) << profiles;
   }
 
-  /// @param qos  of the topics in sensors.yaml: default (reliable) or sensor_data (best effort)
+  /// @param qos  see LiveFixture
   void describe_sensors(const std::string& qos) const {
-    std::ofstream(sensors_) << "domain: " << ros_domain() << "\nqos: " << ros2_qos_.string()
-                            << "\ntopics:\n  left: {name: /camera/left/image_raw, qos: " << qos
-                            << "}\n  right: {name: /camera/right/image_raw, qos: " << qos
-                            << "}\n  imu: {name: /imu, qos: " << qos
-                            << "}\ncalibration:\n  euroc: {folder: " << flight_.folder.string()
-                            << "}\n";
+    LiveFixture::describe_sensors(qos, "qos: " + ros2_qos_.string() + "\n");
   }
-
-  [[nodiscard]] Arguments live_robot(const std::string& id) const {
-    return {"--robot-id",
-            id,
-            "--sensors",
-            sensors_.string(),
-            "--qos",
-            qos_,
-            "--domain",
-            network_.domain(),
-            "--initial-pose",
-            flight_.displaced_start_pose(),
-            "--out",
-            folder_of(id).string()};
-  }
-
-  [[nodiscard]] std::string ros_domain() const { return std::to_string(ros_domain_.number()); }
-
-  const std::filesystem::path sensors_ = scratch_ / "sensors.yaml";
 
  private:
-  const TestDomain ros_domain_;
   const std::filesystem::path ros2_qos_ = scratch_ / "ros2.xml";
 };
 

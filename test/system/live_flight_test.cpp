@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/dataset/dataset_reader.hpp"
-#include "test/system/dds_fixture.hpp"
+#include "test/system/live_fixture.hpp"
 
 namespace fleetloc {
 namespace {
@@ -30,42 +30,19 @@ void PrintTo(const LiveCase& one, std::ostream* stream) {
   *stream << one.name;
 }
 
-class LiveFlight : public DdsFixture, public testing::WithParamInterface<LiveCase> {
+class LiveFlight : public LiveFixture, public testing::WithParamInterface<LiveCase> {
  protected:
   void SetUp() override {
     if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
     flight_ = GetParam().flight();
     if (const auto reason = why_missing(flight_)) GTEST_SKIP() << *reason;
-    std::ofstream(sensors_) << "domain: " << ros_domain_.number() << R"(
-topics:
-  left: {name: /camera/left/image_raw, qos: default}
-  right: {name: /camera/right/image_raw, qos: default}
-  imu: {name: /imu, qos: default}
-calibration:
-  euroc: {folder: )" << flight_.folder.string()
-                            << "}\n";
+    describe_sensors();
   }
-
-  [[nodiscard]] Arguments live_robot() const {
-    return {"--robot-id",
-            kRobot,
-            "--sensors",
-            sensors_.string(),
-            "--qos",
-            qos_,
-            "--domain",
-            network_.domain(),
-            "--out",
-            folder_of(kRobot).string()};
-  }
-
-  const TestDomain ros_domain_;
-  const std::filesystem::path sensors_ = scratch_ / "sensors.yaml";
 };
 
 TEST_P(LiveFlight, UsesNearlyAllPairsThatArePlayed) {
   const double duration_s = std::stod(GetParam().duration_s);
-  ChildProgram robot(FLEETLOC_ROBOT, live_robot());
+  ChildProgram robot(FLEETLOC_ROBOT, live_robot(kRobot));
   const Outcome played = run(FLEETLOC_PLAY,
                              {flight_.folder.string(),
                               "--sensors",

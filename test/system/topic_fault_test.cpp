@@ -16,7 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "test/system/checked_frames.hpp"
-#include "test/system/dds_fixture.hpp"
+#include "test/system/live_fixture.hpp"
 
 namespace fleetloc {
 namespace {
@@ -80,19 +80,12 @@ std::optional<double> first_time(const std::vector<LogLine>& log,
   return std::nullopt;
 }
 
-class TopicFaults : public DdsFixture {
+class TopicFaults : public LiveFixture {
  protected:
   void SetUp() override {
     if (kSanitized) GTEST_SKIP() << "sanitizers are too slow for real time";
     DdsFixture::SetUp();
-    std::ofstream(sensors_) << "domain: " << ros_domain_.number() << R"(
-topics:
-  left: {name: /camera/left/image_raw, qos: default}
-  right: {name: /camera/right/image_raw, qos: default}
-  imu: {name: /imu, qos: default}
-calibration:
-  euroc: {folder: )" << flight_.folder.string()
-                            << "}\n";
+    describe_sensors();
     std::ofstream plan(faults_);
     plan << "seed: 5\nfaults:\n";
     for (const TopicFault& one : topic_faults()) {
@@ -100,29 +93,12 @@ calibration:
     }
   }
 
-  [[nodiscard]] Arguments live_robot() const {
-    return {"--robot-id",
-            kRobot,
-            "--sensors",
-            sensors_.string(),
-            "--qos",
-            qos_,
-            "--domain",
-            network_.domain(),
-            "--initial-pose",
-            flight_.displaced_start_pose(),
-            "--out",
-            folder_of(kRobot).string()};
-  }
-
-  const TestDomain ros_domain_;
-  const std::filesystem::path sensors_ = scratch_ / "sensors.yaml";
   const std::filesystem::path faults_ = scratch_ / "faults.yaml";
 };
 
 TEST_F(TopicFaults, AreSurvivedNamedWithinTwoSecondsAndNeverMakeAPoseConfidentlyWrong) {
   ChildProgram localizer(FLEETLOC_CLOUD, cloud("localizer_1"));
-  ChildProgram robot(FLEETLOC_ROBOT, live_robot());
+  ChildProgram robot(FLEETLOC_ROBOT, live_robot(kRobot));
   const Outcome played = run(FLEETLOC_PLAY,
                              {flight_.folder.string(),
                               "--sensors",

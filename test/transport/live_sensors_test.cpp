@@ -6,15 +6,10 @@
 #include <limits>
 #include <mutex>
 #include <set>
-#include <stdexcept>
 
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <opencv2/core.hpp>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "deploy/play/sensor_publisher.hpp"
 #include "robot/node/calibration_topics.hpp"
@@ -24,6 +19,7 @@
 #include "shared/ros2/imu_codec.hpp"
 #include "shared/ros2/pose_codec.hpp"
 #include "shared/ros2/ros2_names.hpp"
+#include "test/full_socket.hpp"
 #include "test/transport/ros2_network.hpp"
 #include "test/transport/test_network.hpp"
 
@@ -89,31 +85,6 @@ class Log {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> events_;
-};
-
-/// A socket of this process on a port of the domain, to which more was sent than it has room for.
-class FullSocket {
- public:
-  explicit FullSocket(std::uint32_t domain) {
-    const int bytes = 4096;
-    setsockopt(number_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain + 249));
-    const auto* its = reinterpret_cast<const sockaddr*>(&address);
-    if (bind(number_, its, sizeof address) != 0) throw std::runtime_error("the port is taken");
-    const std::array<char, 1000> datagram{};
-    for (int i = 0; i < 100; ++i) {
-      sendto(number_, datagram.data(), datagram.size(), 0, its, sizeof address);
-    }
-  }
-  ~FullSocket() { close(number_); }
-  FullSocket(const FullSocket&) = delete;
-  FullSocket& operator=(const FullSocket&) = delete;
-
- private:
-  int number_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
 };
 
 class LiveSensorsTest : public testing::Test {

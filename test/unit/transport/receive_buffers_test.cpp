@@ -1,13 +1,9 @@
 #include "shared/transport/ros2/receive_buffers.hpp"
 
-#include <array>
-
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
+
+#include "test/full_socket.hpp"
 
 namespace fleetloc {
 namespace {
@@ -42,35 +38,13 @@ TEST(ReceiveBuffers, TellWhatTheSocketsOfThisProcessInADomainHaveLost) {
 
 TEST(ReceiveBuffers, AreCountedByTheKernel) {
   constexpr std::uint32_t kDomain = 100;
-  constexpr std::uint16_t kFirstPort = 7400 + 250 * kDomain;
-  const int receiver = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  ASSERT_GE(receiver, 0);
-  constexpr int kBytes = 8192;
-  setsockopt(receiver, SOL_SOCKET, SO_RCVBUF, &kBytes, sizeof kBytes);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  bool bound = false;
-  for (std::uint16_t port = kFirstPort + 249; port >= kFirstPort && !bound; --port) {
-    address.sin_port = htons(port);
-    bound = bind(receiver, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-  }
-  ASSERT_TRUE(bound);
   EXPECT_EQ(buffer_loss(kDomain).datagrams, 0U);
-  const std::array<char, 1000> bytes{};
-  constexpr int kSent = 100;  // nobody takes them
-  for (int i = 0; i < kSent; ++i) {
-    sendto(receiver,
-           bytes.data(),
-           bytes.size(),
-           0,
-           reinterpret_cast<const sockaddr*>(&address),
-           sizeof address);
+  {
+    const FullSocket socket(kDomain);
+    const BufferLoss loss = buffer_loss(kDomain);
+    EXPECT_GT(loss.datagrams, 50U);
+    EXPECT_EQ(loss.buffer_bytes, FullSocket::kBuffer);
   }
-  const BufferLoss loss = buffer_loss(kDomain);
-  EXPECT_GT(loss.datagrams, 50U);
-  EXPECT_EQ(loss.buffer_bytes, kBytes);
-  close(receiver);
   EXPECT_EQ(buffer_loss(kDomain).datagrams, 0U);
 }
 
