@@ -82,6 +82,20 @@ Jet time_in_motion(double time_s, double rest_s) {
           30.0 * u * u * (1.0 - u) * (1.0 - u) / kSpeedUpTime};
 }
 
+// The same with a stop, which begins with the speeding up backwards in time.
+Jet time_in_motion(double time_s, double rest_s, const RoomTrajectory::Stop& stop) {
+  if (time_s <= stop.at_s || stop.stands_s <= 0.0) return time_in_motion(time_s, rest_s);
+  const double until_stop = time_in_motion(stop.at_s, rest_s).value;
+  const double since_stop = time_s - stop.at_s;
+  const double whole = time_in_motion(kSpeedUpTime + 1.0, 1.0).value;  // of slowing down
+  if (since_stop < kSpeedUpTime) {
+    const Jet left = time_in_motion(kSpeedUpTime - since_stop + 1.0, 1.0);
+    return {until_stop + whole - left.value, left.first, -left.second};
+  }
+  const Jet on = time_in_motion(since_stop - kSpeedUpTime, stop.stands_s);
+  return {until_stop + whole + on.value, on.first, on.second};
+}
+
 // From a vehicle's axes (x forward, y left, z up) to EuRoC's IMU (x up, y right, z forward).
 Eigen::Matrix3d vehicle_from_body() {
   Eigen::Matrix3d R;
@@ -103,8 +117,9 @@ Eigen::Vector3d vehicle_rates(const Jet& yaw, const Jet& pitch, const Jet& roll)
 
 }  // namespace
 
-RoomTrajectory::RoomTrajectory(double rest_s, double speed)
+RoomTrajectory::RoomTrajectory(double rest_s, double speed, const Stop& stop)
     : rest_s_(rest_s),
+      stop_(stop),
       rounds_rate_(speed / std::sqrt(mean_square_slope(kX) + mean_square_slope(kY) +
                                      mean_square_slope(kZ))) {}
 
@@ -113,7 +128,7 @@ double RoomTrajectory::round_s() const {
 }
 
 Motion RoomTrajectory::at(double time_s) const {
-  Jet theta = time_in_motion(time_s, rest_s_);
+  Jet theta = time_in_motion(time_s, rest_s_, stop_);
   theta = {rounds_rate_ * theta.value, rounds_rate_ * theta.first, rounds_rate_ * theta.second};
   const auto along = [&](std::span<const Sine> sines) {
     return chain(sum(sines, theta.value), theta);

@@ -18,10 +18,17 @@ struct Motion {
 /// derivatives in closed form. The camera (the body's z axis) pans along the path.
 class RoomTrajectory {
  public:
+  /// On the way, after `at_s`, when the robot is at full speed: it slows down within two seconds,
+  /// stands, and goes on. Zero: no stop.
+  struct Stop {
+    double at_s;
+    double stands_s;
+  };
+
   /// @param rest_s  stands still that long, then speeds up within two seconds; zero: at full speed
   ///                from the start
   /// @param speed   root mean square over one round [m/s]
-  RoomTrajectory(double rest_s, double speed);
+  RoomTrajectory(double rest_s, double speed, const Stop& stop = {});
 
   [[nodiscard]] Motion at(double time_s) const;
 
@@ -30,6 +37,7 @@ class RoomTrajectory {
 
  private:
   double rest_s_;
+  Stop stop_;
   double rounds_rate_;  ///< of the curve's parameter, once at full speed [rad/s]
 };
 

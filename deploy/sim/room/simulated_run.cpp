@@ -89,7 +89,7 @@ SimulatedRun::SimulatedRun(const Config& config)
     : config_(config),
       noise_(kNoise),
       stereo_(make_stereo()),
-      trajectory_(config.rest_s, config.speed),
+      trajectory_(config.rest_s, config.speed, config.stop),
       landmarks_(
           room_.random_surface_points(config.landmarks, CounterRandom(config.seed, kPlaces))),
       walked_bias_{config.initial_bias} {

@@ -33,6 +33,17 @@ TEST(RoomTrajectory, DerivativesMatchDifferences) {
   }
 }
 
+TEST(RoomTrajectory, StopsOnItsWayAndGoesOn) {
+  const RoomTrajectory trajectory(1.0, 1.3, {.at_s = 8.0, .stands_s = 5.0});
+  for (int i = 0; i < 60; ++i) expect_derivatives(trajectory, 0.5 + 0.33 * i);
+  const Motion stopped = trajectory.at(10.0);
+  EXPECT_EQ(stopped.v_room.norm(), 0.0);
+  EXPECT_EQ(trajectory.at(15.0).T_room_body.p, stopped.T_room_body.p);
+  EXPECT_GT(trajectory.at(17.0).v_room.norm(), 0.3);
+  const RoomTrajectory without(1.0, 1.3);  // slowing down and speeding up take a second more each
+  EXPECT_LT((trajectory.at(27.0).T_room_body.p - without.at(20.0).T_room_body.p).norm(), 1e-9);
+}
+
 TEST(RoomTrajectory, StandsStillWhileItRests) {
   const RoomTrajectory trajectory(2.0, 1.0);
   const Motion at_start = trajectory.at(0.0);
