@@ -56,6 +56,7 @@ bool AnswerSender::is_to_be_sent(Timestamp now) {
     retransmission_.sent(now);
     return true;
   }
+  if (to_seconds(now - *first_sent_) > config_.repeated_for_s) return false;
   const auto reserve = static_cast<std::size_t>(config_.budget.burst_bytes / 2.0);
   if (receipt_.newest >= first_number_ || !budget_.allows(reserve)) return false;
   return retransmission_.due(now, receipt_.loss);
@@ -85,6 +86,7 @@ expected<Message, PoolRefusal> AnswerSender::encoded(const SubmapReceiver& recei
 
 AnswerSender::Config read_answer_sender_config(ConfigReader config) {
   return {.retransmission = read_retransmission_timer_config(config.section("retransmission")),
+          .repeated_for_s = config.positive("repeated_for_s"),
           .max_payload_bytes =
               static_cast<std::size_t>(config.integer("max_payload_bytes", 300, 60'000)),
           .budget = read_byte_budget_config(config.section("budget"))};

@@ -19,13 +19,14 @@ namespace fleetloc {
 class ConfigReader;
 
 /// The latest answer to one robot: sent at once with its corrections, then repeated alone until the
-/// robot tells that it has arrived or there is a newer one, the more often, the more answers get
-/// lost; all within a budget of bytes, which follows the queueing delay of the downlink, and of
+/// robot tells that it has arrived, there is a newer one, or it is too old to help; the more often,
+/// the more answers get lost. All within a budget of bytes, which follows the queueing delay of the downlink, and of
 /// which half a burst is kept for new answers.
 class AnswerSender {
  public:
   struct Config {
     RetransmissionTimer::Config retransmission;
+    double repeated_for_s;
     std::size_t max_payload_bytes;
     ByteBudget::Config budget;
   };

@@ -40,6 +40,7 @@ class AnswerSenderTest : public testing::Test {
 
   AnswerSender sender_{
       {.retransmission = {.max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.1},
+       .repeated_for_s = 30.0,
        .max_payload_bytes = 480,
        .budget = {.max_bytes_per_s = 2000.0,
                   .max_bytes_per_s_high_loss = 4000.0,
@@ -87,6 +88,15 @@ TEST_F(AnswerSenderTest, RepeatsUntilTheRobotHasIt) {
   EXPECT_GT(count(0.0, 1.0), 3);
   sender_.note({.newest = 1, .loss = 0.5, .age = {}}, {});
   EXPECT_EQ(count(1.0, 5.0), 0);
+}
+
+// As to a robot that is parked, and sends nothing in which it could tell.
+TEST_F(AnswerSenderTest, RepeatsNothingThatIsTooOldToHelp) {
+  sender_.set(some_answer());
+  EXPECT_GT(count(0.0, 30.0), 20);
+  EXPECT_EQ(count(30.1, 60.0), 0);
+  sender_.set(some_answer());
+  EXPECT_TRUE(sent(61.0));
 }
 
 TEST_F(AnswerSenderTest, ReceiptsOfEarlierAnswersEndNothing) {

@@ -49,6 +49,7 @@ class SessionProtocolTest : public testing::Test {
         .answers = {.retransmission = {.max_interval_s = 1.0,
                                        .min_interval_s = 0.2,
                                        .full_rate_loss = 0.3},
+                    .repeated_for_s = 30.0,
                     .max_payload_bytes = 480,
                     .budget = {.max_bytes_per_s = 2000.0,
                                .max_bytes_per_s_high_loss = 4000.0,
