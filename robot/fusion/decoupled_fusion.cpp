@@ -83,6 +83,7 @@ PoseEstimate DecoupledFusion::estimate(const ImuPrediction& prediction) const {
   }
   set_pose_quality(result,
                    {.last_applied = alignment_.last_applied(),
+                    .standstill = alignment_.standstill(),
                     .contradicted = alignment_.contradicted(),
                     .carried = interrupted_ || alignment_.is_continued(),
                     .newest_odometry = frames_.newest().odometry.stamp},

@@ -163,7 +163,8 @@ void set_pose_quality(PoseEstimate& estimate,
     return;
   }
   const bool certain = sigma_rad < config.localized_below_rad && sigma_m < config.localized_below_m;
-  const bool fresh = to_seconds(estimate.since_last_answer) < config.localized_for_s;
+  const double aged_s = to_seconds(estimate.since_last_answer - status.standstill);
+  const bool fresh = aged_s < config.localized_for_s;
   estimate.quality =
       certain && fresh && !status.carried ? Quality::kLocalized : Quality::kDeadReckoning;
 }

@@ -95,6 +95,7 @@ class DelayedFrames {
 /// What determines the quality of a map pose.
 struct MapPoseStatus {
   std::optional<Timestamp> last_applied;  ///< stamp of the last applied answer
+  Duration standstill{};                  ///< since then: it makes no pose worse
   bool contradicted = false;
   bool carried = false;  ///< over a failure of the odometry, not confirmed since
   Timestamp newest_odometry;

@@ -19,6 +19,7 @@ void MapAlignment::drift(const DriftStep& step) {
   if (last_applied_) {
     P_.topLeftCorner<6, 6>() += step.covariance;
     metres_since_error_ += step.metres;
+    standstill_ += step.standstill;
     hypotheses_.drift(step.covariance);
   }
 }
@@ -60,6 +61,7 @@ AnswerOutcome MapAlignment::initialize(const LocalizationMeasurement& answer, An
   error_root_ = answer.root_map;
   metres_since_error_ = 0.0;
   last_applied_ = answer.stamp;
+  standstill_ = {};
   continued_ = false;
   hypotheses_.restart(answer);
   return effect;
@@ -70,6 +72,7 @@ MapAlignment MapAlignment::continued(const MapOdomEstimate& pose) const {
   if (last_applied_) {
     result.map_hash_ = map_hash_;
     result.last_applied_ = last_applied_;
+    result.standstill_ = standstill_;
     result.T_map_odom_ = pose.T_map_odom;
     result.P_.topLeftCorner<6, 6>() = pose.covariance;
     result.hypotheses_ = hypotheses_.without_alternatives();
@@ -207,6 +210,7 @@ AnswerOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
   }
   update<6>(residual, H, answer.white);
   last_applied_ = answer.stamp;
+  standstill_ = {};
   hypotheses_.support(answer);
   return AnswerEffect::kApplied;
 }

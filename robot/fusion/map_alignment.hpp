@@ -39,6 +39,8 @@ class MapAlignment {
   /// The same, with a covariance inflated to cover contradicting hypotheses.
   [[nodiscard]] std::optional<MapOdomEstimate> session_start() const;
   [[nodiscard]] std::optional<Timestamp> last_applied() const { return last_applied_; }
+  /// How long the robot has stood still since.
+  [[nodiscard]] Duration standstill() const { return standstill_; }
   /// The filter after a reset of the odometry: `pose` is its T_map_odom until the first answer that
   /// agrees with it initializes it again. Empty if no answer was applied before.
   [[nodiscard]] MapAlignment continued(const MapOdomEstimate& pose) const;
@@ -70,6 +72,7 @@ class MapAlignment {
   MapHash map_hash_{};
   bool continued_ = false;
   std::optional<Timestamp> last_applied_;
+  Duration standstill_{};         ///< since last_applied_
   Timestamp error_stamp_;         ///< of the answer that u belongs to
   Timestamp error_oldest_stamp_;  ///< where the window of that answer begins
   Eigen::Vector3d error_p_map_body_ = Eigen::Vector3d::Zero();  ///< of that answer

@@ -48,7 +48,7 @@ Matrix6d OdometryDrift::reported_drift(const OdometryEstimate& estimate) {
     const Eigen::Matrix4d gained = yaw_and_position - J * last_->yaw_and_position * J.transpose();
     result.diagonal().tail<4>() += gained.diagonal().cwiseAbs();
   }
-  last_ = {T_odom_body, yaw_and_position};
+  last_ = {estimate.stamp, T_odom_body, yaw_and_position};
   return result;
 }
 
@@ -57,6 +57,7 @@ DriftStep OdometryDrift::step(const OdometryEstimate& estimate) {
   Matrix6d Q = config_.covariance_share * reported_drift(estimate);
   DriftStep result;
   if (!last) return result;
+  if (estimate.is_standing) result.standstill = estimate.stamp - last->stamp;
   const Pose& T_odom_body = estimate.state.T_odom_body;
   result.metres = (T_odom_body.p - last->T_odom_body.p).norm();
   const double radians = log_so3(last->T_odom_body.R.conjugate() * T_odom_body.R).norm();

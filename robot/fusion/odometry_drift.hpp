@@ -12,6 +12,7 @@ namespace fleetloc {
 struct DriftStep {
   Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation of T_map_odom
   double metres = 0.0;                     ///< distance travelled [m]
+  Duration standstill{};                   ///< the time of it, if the robot stood still
 };
 
 /// Increase and decrease of a variance, with hysteresis: a reversal by less than the share
@@ -59,6 +60,7 @@ class OdometryDrift {
  private:
   /// Of the odometry at one frame, at the body in odom axes.
   struct Reported {
+    Timestamp stamp;
     Pose T_odom_body;
     Eigen::Matrix4d yaw_and_position;  ///< covariance, given the tilt
   };

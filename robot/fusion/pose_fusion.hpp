@@ -25,7 +25,8 @@ namespace fleetloc {
 /// - kInitializing: there is no pose. Stand still.
 /// - kLocalized: the map pose is within 0.25 m and 2 degrees, says its covariance (2.5 sigmas), and
 ///   an applied answer is at most `localized_for_s` old, so that the cloud would have contradicted
-///   a wrong one. How late answers come does not matter otherwise. Drive.
+///   a wrong one; time at a standstill does not count. How late answers come does not matter
+///   otherwise. Drive.
 /// - kDeadReckoning: the map pose is only as good as its covariance says, or nothing has confirmed
 ///   it for long, or it was carried over a failure of the odometry. Drive on while the covariance
 ///   fits the space around; slow down, and stop where it does not.
@@ -45,7 +46,7 @@ class PoseFusion {
     double buffer_s = 0.0;             ///< how late an answer may be
     double localized_below_m = 0.0;    ///< sigma of the map position, worst direction
     double localized_below_rad = 0.0;  ///< sigma of the map rotation, worst axis
-    double localized_for_s = 0.0;      ///< after the stamp of the last applied answer, at most
+    double localized_for_s = 0.0;      ///< in motion after the last applied answer, at most
     double odometry_timeout_s = 0.0;   ///< without odometry for longer, kLost
     double lost_beyond_m = 0.0;        ///< sigma of the map position, worst direction
     double lost_beyond_rad = 0.0;      ///< sigma of the map rotation, worst axis

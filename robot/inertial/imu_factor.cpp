@@ -134,7 +134,7 @@ ImuError imu_error(const Preintegration& preintegration,
 }
 
 Matrix15d imu_error_covariance(const Preintegration& preintegration) {
-  const double time = to_seconds(preintegration.duration());
+  const double time = to_seconds(preintegration.bias_walk_duration());
   const ImuNoise& noise = preintegration.noise();
   const double gyroscope = noise.gyroscope_random_walk * noise.gyroscope_random_walk * time;
   const double accelerometer =

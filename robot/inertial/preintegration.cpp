@@ -87,8 +87,12 @@ Vector6d white_variance(const ImuNoise& noise, double dt) {
 
 Preintegration::Preintegration(std::span<const ImuSample> samples,
                                ImuBias bias,
-                               const ImuNoise& noise)
-    : samples_(samples.begin(), samples.end()), bias_(std::move(bias)), noise_(noise) {
+                               const ImuNoise& noise,
+                               Duration standstill)
+    : samples_(samples.begin(), samples.end()),
+      bias_(std::move(bias)),
+      noise_(noise),
+      standstill_(standstill) {
   assert(samples_.size() >= 2);
   for (std::size_t i = 1; i < samples_.size(); ++i) {
     assert(samples_[i - 1].stamp < samples_[i].stamp);
@@ -103,7 +107,7 @@ void Preintegration::integrate(const ImuSample& from, const ImuSample& to) {
   // A mean over dt of white noise of density s has variance s^2 / dt. Samples at both ends are
   // shared with the neighbours; counted as if each interval had noise of its own, they add up to
   // the right s^2 per second. The walk of the bias counts with its variance at mid-step.
-  const double walked = to_seconds(from.stamp - samples_.front().stamp) + 0.5 * dt;
+  const double walked = to_seconds(standstill_ + (from.stamp - samples_.front().stamp)) + 0.5 * dt;
   const Vector6d walk =
       walked * both(square(noise_.gyroscope_random_walk), square(noise_.accelerometer_random_walk));
   const Vector6d white = white_variance(noise_, dt);
@@ -175,7 +179,7 @@ NavState Preintegration::predict(const NavState& start) const {
 }
 
 Preintegration Preintegration::relinearized(const ImuBias& bias) const {
-  return {samples_, bias, noise_};
+  return {samples_, bias, noise_, standstill_};
 }
 
 }  // namespace fleetloc

@@ -21,9 +21,15 @@ class Preintegration {
   /// Integrates `samples` (increasing stamps, at least two) from the first stamp to the last one at
   /// the given bias. Between samples the mean of both ends is applied (midpoint rule); across a gap
   /// (ImuGapModel) that mean has extra noise.
-  Preintegration(std::span<const ImuSample> samples, ImuBias bias, const ImuNoise& noise);
+  /// @param standstill  time that was left out of the samples, since the body stood still: only its
+  ///                    biases walked on, as if before the first sample
+  Preintegration(std::span<const ImuSample> samples,
+                 ImuBias bias,
+                 const ImuNoise& noise,
+                 Duration standstill = {});
 
-  [[nodiscard]] Duration duration() const;
+  [[nodiscard]] Duration duration() const;  ///< of the samples
+  [[nodiscard]] Duration bias_walk_duration() const { return standstill_ + duration(); }
   [[nodiscard]] const ImuBias& bias() const;  ///< linearization point
   [[nodiscard]] const ImuNoise& noise() const;
 
@@ -57,6 +63,7 @@ class Preintegration {
   std::vector<ImuSample> samples_;
   ImuBias bias_;
   ImuNoise noise_;
+  Duration standstill_;
   Deltas deltas_{Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   Matrix9d covariance_ = Matrix9d::Zero();
   Matrix96d bias_jacobian_ = Matrix96d::Zero();

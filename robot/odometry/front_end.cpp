@@ -28,11 +28,24 @@ TrackedFrame FrontEnd::track(CameraFrame frame, const ImuBuffer& imu, const ImuB
 void FrontEnd::check_image(cv::Mat& image, const Camera& camera) {
   if (image.empty()) {
     ++faults_["missing_images"];
-  } else if (image.type() != CV_8UC1 || image.cols != camera.width_px ||
-             image.rows != camera.height_px) {
+  } else if (!is_usable(image, camera)) {
     ++faults_["wrong_images"];
     image = cv::Mat();
   }
+}
+
+bool FrontEnd::is_usable(const cv::Mat& image, const Camera& camera) {
+  return image.type() == CV_8UC1 && image.cols == camera.width_px && image.rows == camera.height_px;
+}
+
+TrackedFrame FrontEnd::peek(CameraFrame frame) const {
+  if (auto* images = std::get_if<StereoFrame>(&frame)) {
+    if (!is_usable(images->left, calibration_.cam0)) images->left = cv::Mat();
+    if (!is_usable(images->right, calibration_.cam1)) images->right = cv::Mat();
+    FeatureTracker tracker = tracker_;
+    frame = tracker.track(*images, Eigen::Quaterniond::Identity());
+  }
+  return std::get<TrackedFrame>(std::move(frame));
 }
 
 // From the gyroscope alone; identity where the IMU has a gap.

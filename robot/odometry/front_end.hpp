@@ -26,6 +26,9 @@ class FrontEnd {
   /// @param bias  of the IMU, as far as it is known
   TrackedFrame track(CameraFrame frame, const ImuBuffer& imu, const ImuBias& bias);
 
+  /// What track() would give, while the body does not turn; nothing is changed or counted.
+  [[nodiscard]] TrackedFrame peek(CameraFrame frame) const;
+
   /// Of the last frame that was tracked.
   [[nodiscard]] std::optional<Timestamp> last_stamp() const { return last_stamp_; }
 
@@ -34,6 +37,7 @@ class FrontEnd {
 
  private:
   void check_image(cv::Mat& image, const Camera& camera);
+  [[nodiscard]] static bool is_usable(const cv::Mat& image, const Camera& camera);
   [[nodiscard]] Eigen::Quaterniond predicted_rotation(Timestamp stamp,
                                                       const ImuBuffer& imu,
                                                       const ImuBias& bias) const;

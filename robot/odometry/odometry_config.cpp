@@ -13,7 +13,8 @@ VisualInertialOdometry::Config read_odometry_config(ConfigReader config) {
   return {.tracking = read_feature_tracker_config(config.section("tracking")),
           .initializer = vio.initializer,
           .frame_estimator = vio.frame_estimator,
-          .health = read_odometry_health_config(config.section("health"))};
+          .health = read_odometry_health_config(config.section("health")),
+          .standstill = read_standstill_config(config.section("standstill"))};
 }
 
 KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {

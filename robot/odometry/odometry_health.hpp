@@ -41,6 +41,9 @@ class OdometryHealth {
   /// Checks one frame, between optimizations.
   expected<void, ResetCause> check(const FrameEstimator::Result& frame);
 
+  /// The pose is known at this time without an image: the body stands still.
+  void begin_anew(Timestamp stamp) { last_vision_update_ = stamp; }
+
   /// After a reset of the odometry.
   void reset() { last_vision_update_.reset(); }
 

@@ -1,5 +1,6 @@
 #include "robot/odometry/visual_inertial_odometry.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -7,6 +8,7 @@ namespace fleetloc {
 namespace {
 
 constexpr Duration kImuKept = std::chrono::seconds(30);  // longer than any failure is bridged
+constexpr Duration kNoticed = std::chrono::seconds(1);   // longer than a motion goes on unnoticed
 
 }  // namespace
 
@@ -21,7 +23,8 @@ VisualInertialOdometry::VisualInertialOdometry(const StereoCalibration& calibrat
       front_end_(calibration, imu_noise, config.tracking),
       initializer_(rectified(calibration), imu_noise, config.initializer),
       frame_estimator_(rectified(calibration), imu_noise, config.frame_estimator),
-      health_(config.health) {}
+      health_(config.health),
+      standstill_(config.standstill) {}
 
 expected<void, ResetCause> VisualInertialOdometry::add_imu(const ImuSample& sample) {
   const bool is_gap = last_imu_ && sample.stamp - *last_imu_ > max_imu_step_;
@@ -30,7 +33,8 @@ expected<void, ResetCause> VisualInertialOdometry::add_imu(const ImuSample& samp
     ++faults_["imu_gaps"];
   }
   imu_.add(sample);
-  imu_.forget_before(sample.stamp - kImuKept);
+  imu_.keep(kImuKept);
+  standstill_.add_imu(sample);
   last_imu_ = sample.stamp;
   const bool is_running = phase_ == Phase::kStarting || phase_ == Phase::kTracking;
   if (is_gap && is_running) return unexpected(reset(ResetCause::kImuGap));
@@ -51,6 +55,37 @@ std::optional<OdometryFrame> VisualInertialOdometry::track_next() {
 
 OdometryFrame VisualInertialOdometry::track(CameraFrame frame) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
+  std::optional<OdometryFrame> output;
+  if (held_) output = stay(frame);
+  if (!output) output = follow(std::move(frame));
+  if (cpu_clock_) output->cpu = cpu_clock_() - begin;
+  return std::move(*output);
+}
+
+// The features are compared with those of the image in which the body came to rest, so that nothing
+// drifts; what moves before the camera, and what comes and goes, is as in any other image.
+std::optional<OdometryFrame> VisualInertialOdometry::stay(const CameraFrame& frame) {
+  const TrackedFrame tracks = front_end_.peek(frame);
+  const auto result = frame_estimator_.estimate(tracks, imu_);
+  const bool stays =
+      standstill_allowed_ && result &&
+      standstill_.update(tracks.stamp, result->estimate.state.T_odom_body, result->vision_updated);
+  if (!stays) {
+    held_.reset();
+    return std::nullopt;
+  }
+  statistics_.standstill += tracks.stamp - held_->estimate.stamp;
+  held_->estimate.stamp = tracks.stamp;
+  const Timestamp noticed = tracks.stamp - kNoticed;
+  if (noticed > held_->since) imu_.leave_out(held_->since, noticed);
+  health_.begin_anew(tracks.stamp);
+  return OdometryFrame{.stamp = tracks.stamp,
+                       .tracks = static_cast<int>(tracks.observations.size()),
+                       .estimate = held_->estimate,
+                       .reset = {}};
+}
+
+OdometryFrame VisualInertialOdometry::follow(CameraFrame frame) {
   const std::optional<Timestamp> previous = front_end_.last_stamp();
   const ImuBias bias = window_ ? window_->keyframes.back().state.bias : ImuBias{};
   const TrackedFrame tracks = front_end_.track(std::move(frame), imu_, bias);
@@ -68,7 +103,6 @@ OdometryFrame VisualInertialOdometry::track(CameraFrame frame) {
   }
   output.stamp = tracks.stamp;
   output.tracks = static_cast<int>(tracks.observations.size());
-  if (cpu_clock_) output.cpu = cpu_clock_() - begin;
   return output;
 }
 
@@ -121,8 +155,17 @@ OdometryFrame VisualInertialOdometry::estimate(const TrackedFrame& frame) {
     return output;
   }
   output.estimate = result->estimate;
+  const auto still_since =
+      standstill_.update(frame.stamp, result->estimate.state.T_odom_body, result->vision_updated);
+  if (still_since && standstill_allowed_) hold(result->estimate, *still_since);
   output.keyframe = result->wants_keyframe && !back_end_busy_ && add_keyframe(frame, *result);
   return output;
+}
+
+void VisualInertialOdometry::hold(const OdometryEstimate& estimate, Timestamp since) {
+  held_ = {.estimate = estimate, .since = std::max(since, latest_keyframe_.stamp)};
+  held_->estimate.state.v_odom.setZero();
+  held_->estimate.is_standing = true;
 }
 
 // False if the IMU has a gap since the keyframe before.
@@ -135,6 +178,7 @@ bool VisualInertialOdometry::add_keyframe(const TrackedFrame& frame,
   back_end_.start(KeyframeInput{.id = id,
                                 .frame = outlier_tracks_.removed_from(frame),
                                 .imu = std::move(imu),
+                                .standstill = imu_.left_out(latest_keyframe_.stamp, frame.stamp),
                                 .correction = std::exchange(correction_, std::nullopt)},
                   frame.stamp);
   back_end_busy_ = true;
@@ -188,6 +232,8 @@ ResetCause VisualInertialOdometry::reset(ResetCause cause) {
   frame_estimator_.reset();
   outlier_tracks_.clear();
   health_.reset();
+  standstill_.reset();
+  held_.reset();
   return cause;
 }
 

@@ -14,6 +14,7 @@
 #include "robot/odometry/front_end.hpp"
 #include "robot/odometry/odometry_health.hpp"
 #include "robot/odometry/outlier_tracks.hpp"
+#include "robot/odometry/standstill.hpp"
 #include "robot/vio/frame_estimator.hpp"
 #include "robot/vio/initializer.hpp"
 #include "shared/core/expected.hpp"
@@ -58,11 +59,15 @@ struct OdometryStatistics {
   std::uint64_t corrections_applied = 0;  ///< constraints of the cloud that entered a window
   std::uint64_t corrections_ignored = 0;  ///< and that did not
   std::uint64_t resets = 0;
+  Duration standstill{};  ///< for which the pose was held
   Histogram back_end_ms;  ///< processor time of each keyframe's job
 };
 
 /// Visual-inertial odometry: images and IMU in, T_odom_body of every frame and windows of keyframes
 /// out. The window is optimized in the back end, beside the tracking.
+///
+/// Where the body stands still its pose is held: no keyframes, no drift; it may be dark meanwhile,
+/// and people may pass. The motion that follows goes on from there.
 ///
 /// Some bad images are bridged by inertial prediction. Where that is not enough (OdometryHealth) it
 /// resets itself and is initialized again, in motion.
@@ -73,6 +78,7 @@ class VisualInertialOdometry {
     Initializer::Config initializer;
     FrameEstimator::Config frame_estimator;
     OdometryHealth::Config health;
+    StandstillDetector::Config standstill;
   };
 
   enum class Phase {
@@ -94,6 +100,10 @@ class VisualInertialOdometry {
 
   /// Stamps increase. The frame is tracked by track_next() once the IMU covers its stamp.
   void add_frame(CameraFrame frame) { pending_.push_back(std::move(frame)); }
+
+  /// Whether the pose may be held where the body stands still; at first it may not. While somebody
+  /// waits for keyframes, as for a first place in the map, it may not either.
+  void allow_standstill(bool allowed) { standstill_allowed_ = allowed; }
 
   /// Tracks the oldest frame that was added; nothing if the IMU does not reach it yet.
   std::optional<OdometryFrame> track_next();
@@ -121,8 +131,15 @@ class VisualInertialOdometry {
     KeyframeId id{};
     Timestamp stamp;
   };
+  struct Held {
+    OdometryEstimate estimate;
+    Timestamp since;  // of the IMU's samples that are left out
+  };
 
   OdometryFrame track(CameraFrame frame);
+  OdometryFrame follow(CameraFrame frame);
+  std::optional<OdometryFrame> stay(const CameraFrame& frame);
+  void hold(const OdometryEstimate& estimate, Timestamp since);
   void initialize(const TrackedFrame& frame, std::optional<Timestamp> previous);
   void begin(Initialization initialization);
   OdometryFrame estimate(const TrackedFrame& frame);
@@ -138,6 +155,9 @@ class VisualInertialOdometry {
   Initializer initializer_;
   FrameEstimator frame_estimator_;
   OdometryHealth health_;
+  StandstillDetector standstill_;
+  bool standstill_allowed_ = false;
+  std::optional<Held> held_;  // while the body stands still
   ImuBuffer imu_;
   std::optional<Timestamp> last_imu_;
   std::deque<CameraFrame> pending_;  // the IMU does not cover them yet

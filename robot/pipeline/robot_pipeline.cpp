@@ -52,6 +52,7 @@ void RobotPipeline::step_clock(const ClockStep& step) {
 
 void RobotPipeline::poll(Timestamp stamp) {
   const Timestamp now = time_.time_of(stamp);
+  odometry_.allow_standstill(localizer_ == nullptr || latest_pose_.quality == Quality::kLocalized);
   if (localizer_ != nullptr) localizer_->update(now, latest_pose_.quality);
   take_window(now);
   if (localizer_ != nullptr) fuse_answers(now);

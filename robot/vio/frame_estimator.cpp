@@ -170,9 +170,10 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
     if (samples.size() < 2) {
       return std::nullopt;
     }
+    const Duration standstill = imu.left_out(newest.stamp, frame.stamp);
     LocalState local = predicted(newest.state,
                                  speed_bias_only(window_->covariance),
-                                 Preintegration(samples, newest.state.bias, noise_));
+                                 Preintegration(samples, newest.state.bias, noise_, standstill));
     const std::vector<KnownPoint> points =
         known_points(frame, *window_, stereo_, local.state.T_odom_body, config_.noise.pixel_sigma);
     result.tracked = static_cast<int>(points.size());

@@ -139,7 +139,7 @@ struct SlidingWindow::State {
 
 void SlidingWindow::State::append_predicted(const KeyframeInput& input) {
   const NavState last = state_of(graph.keyframes.back());
-  Preintegration preintegration(input.imu, last.bias, noise);
+  Preintegration preintegration(input.imu, last.bias, noise, input.standstill);
   GraphKeyframe keyframe = graph_keyframe(input, preintegration.predict(last));
   keyframe.from_previous = std::move(preintegration);
   append(graph, std::move(keyframe));

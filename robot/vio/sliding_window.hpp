@@ -16,6 +16,7 @@ struct KeyframeInput {
   TrackedFrame frame;
   /// From the previous keyframe's stamp to this one's, ends interpolated; empty for the first.
   std::vector<ImuSample> imu;
+  Duration standstill{};  ///< time that `imu` leaves out, since the body stood still
   /// The newest that has arrived since the previous keyframe, of the same session.
   std::optional<Correction> correction = std::nullopt;
 };

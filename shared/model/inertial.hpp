@@ -71,6 +71,7 @@ struct OdometryEstimate {
   Timestamp stamp;
   NavState state;
   Matrix15d covariance = Matrix15d::Zero();
+  bool is_standing = false;  ///< the body has not moved since the estimate before
 };
 
 }  // namespace fleetloc

@@ -37,7 +37,9 @@ class SimulatedRobot {
       advance(sample.stamp);
       pipeline_.poll(sample.stamp);
       while (run_.frame_stamp(next_frame_) <= sample.stamp) {
-        pipeline_.add_frame(run_.frame(next_frame_++));
+        TrackedFrame frame = run_.frame(next_frame_++);
+        if (disturb) disturb(frame);
+        pipeline_.add_frame(std::move(frame));
       }
       for (FrameOutput& frame : pipeline_.take_frames()) frames.push_back(std::move(frame));
       for (LocalizationOutput& answer : pipeline_.take_answers())
@@ -49,6 +51,9 @@ class SimulatedRobot {
 
   [[nodiscard]] const CloudClient& client() const { return client_; }
 
+  [[nodiscard]] const RobotPipeline& pipeline() const { return pipeline_; }
+
+  std::function<void(TrackedFrame&)> disturb;  ///< what the cameras see
   std::vector<FrameOutput> frames;
   std::vector<LocalizationOutput> answers;
   std::vector<std::string> events;

@@ -43,6 +43,7 @@ class SimulatedSystem {
   }
 
   [[nodiscard]] const SimulatedRobot& robot() const { return robot_; }
+  SimulatedRobot& robot() { return robot_; }
   [[nodiscard]] const LocalizerPool& pool() const { return cloud_.pool(); }
 
  private:

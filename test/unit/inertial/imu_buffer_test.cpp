@@ -106,5 +106,76 @@ TEST(ImuBuffer, KeepsOneSampleForInterpolationWhenItForgets) {
   EXPECT_FALSE(buffer.add(sample_at(25ms)));
 }
 
+// A rate of 1 rad/s before, 2 after, none between.
+class ImuBufferAtAStandstill : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i <= 100; ++i) {
+      const double rate = i < 20 ? 1.0 : i < 80 ? 0.0 : 2.0;
+      ASSERT_TRUE(buffer_.add({at(i * 10ms), {rate, 0.0, 0.0}, Eigen::Vector3d::Zero()}));
+    }
+  }
+  /// By the trapezoidal rule [rad]; stamps must increase.
+  static double turned(const std::vector<ImuSample>& samples) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      EXPECT_LT(samples[i - 1].stamp, samples[i].stamp);
+      sum += 0.5 * to_seconds(samples[i].stamp - samples[i - 1].stamp) *
+             (samples[i - 1].angular_velocity.x() + samples[i].angular_velocity.x());
+    }
+    return sum;
+  }
+  ImuBuffer buffer_;
+};
+
+TEST_F(ImuBufferAtAStandstill, JoinsWhatCameBeforeToWhatComesAfter) {
+  const double whole = turned(buffer_.between(at(55ms), at(995ms)));
+  buffer_.leave_out(at(303ms), at(604ms));
+  const std::vector<ImuSample> samples = buffer_.between(at(55ms), at(995ms));
+  EXPECT_NEAR(turned(samples), whole, 1e-12);
+  EXPECT_EQ(samples.back().stamp, at(995ms));
+  EXPECT_EQ(samples.back().stamp - samples.front().stamp, 940ms - 301ms);
+  EXPECT_EQ(buffer_.left_out(at(55ms), at(995ms)), 301ms);
+  EXPECT_EQ(buffer_.left_out(at(604ms), at(995ms)), 0ms);
+}
+
+TEST_F(ImuBufferAtAStandstill, LetsItGoOn) {
+  const double whole = turned(buffer_.between(at(55ms), at(995ms)));
+  for (int end = 310; end <= 700; end += 10) buffer_.leave_out(at(303ms), at(end * 1ms));
+  EXPECT_NEAR(turned(buffer_.between(at(55ms), at(995ms))), whole, 1e-12);
+  EXPECT_EQ(buffer_.left_out(at(0ms), at(1000ms)), 397ms);
+}
+
+TEST_F(ImuBufferAtAStandstill, BeginsAfterItIfAskedFromWithinIt) {
+  buffer_.leave_out(at(300ms), at(600ms));
+  EXPECT_TRUE(buffer_.covers(at(450ms)));
+  const std::vector<ImuSample> samples = buffer_.between(at(450ms), at(700ms));
+  ASSERT_FALSE(samples.empty());
+  EXPECT_EQ(samples.front().stamp, at(600ms));
+}
+
+// As after the keyframe in which the body came to rest has entered the window.
+TEST_F(ImuBufferAtAStandstill, CoversItsBeginAfterForgettingWhatCameBefore) {
+  buffer_.leave_out(at(300ms), at(600ms));
+  buffer_.forget_before(at(300ms));
+  EXPECT_TRUE(buffer_.covers(at(300ms)));
+  EXPECT_EQ(buffer_.between(at(300ms), at(700ms)).size(), 11U);
+  buffer_.leave_out(at(300ms), at(650ms));
+  EXPECT_EQ(buffer_.between(at(300ms), at(700ms)).size(), 6U);
+}
+
+TEST_F(ImuBufferAtAStandstill, KeepsWhatCameBeforeHoweverLongItLasts) {
+  for (int i = 101; i <= 10000; ++i) {
+    ASSERT_TRUE(buffer_.add({at(i * 10ms), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}));
+    buffer_.leave_out(at(950ms), at(i * 10ms - 50ms));
+    buffer_.keep(900ms);
+  }
+  EXPECT_TRUE(buffer_.covers(at(110ms)));
+  EXPECT_FALSE(buffer_.covers(at(0ms)));
+  EXPECT_LT(buffer_.between(at(110ms), at(100s)).size(), 110U);
+  buffer_.forget_before(at(99'990ms));
+  EXPECT_TRUE(buffer_.begins_after(at(900ms)));
+}
+
 }  // namespace
 }  // namespace fleetloc

@@ -89,6 +89,22 @@ TEST(PreintegrationNoise, CovarianceHoldsForAStrongBiasWalk) {
   expect_same(monte_carlo(samples, noise, bias), imu_error_covariance(preintegration));
 }
 
+// A standstill before the samples is the same as a wider bias before them.
+TEST(PreintegrationNoise, BiasesWalkOnThroughAStandstill) {
+  const SimulatedRun run(lively());
+  const auto samples = uneven(run);
+  const Preintegration driven(samples, {}, run.noise());
+  const Preintegration stood(samples, {}, run.noise(), std::chrono::hours(1));
+  EXPECT_EQ(stood.deltas({}).p, driven.deltas({}).p);
+  Vector6d walk;
+  walk << Eigen::Vector3d::Constant(3600.0 * std::pow(run.noise().gyroscope_random_walk, 2)),
+      Eigen::Vector3d::Constant(3600.0 * std::pow(run.noise().accelerometer_random_walk, 2));
+  Eigen::Matrix<double, 15, 6> B;
+  B << driven.bias_jacobian(), Matrix6d::Identity();
+  const Matrix15d expected = imu_error_covariance(driven) + B * walk.asDiagonal() * B.transpose();
+  EXPECT_TRUE(imu_error_covariance(stood).isApprox(expected, 1e-9));
+}
+
 // Continuous white noise does not know how often it is sampled.
 TEST(PreintegrationNoise, CovarianceHardlyDependsOnTheRate) {
   SimulatedRun::Config config = lively();
