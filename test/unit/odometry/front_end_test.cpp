@@ -1,6 +1,10 @@
 #include "robot/odometry/front_end.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "shared/config/config_reader.hpp"
 #include "test/simulated_setup.hpp"
@@ -44,6 +48,34 @@ TEST_F(FrontEndTest, PassesTracksOnAsTheyAre) {
   ASSERT_EQ(passed.observations.size(), frame.observations.size());
   EXPECT_EQ(passed.stamp, frame.stamp);
   EXPECT_EQ(front_end_.last_stamp(), frame.stamp);
+}
+
+// As while the robot stands: the dark that was looked at is forgotten, the features are the same.
+TEST_F(FrontEndTest, ChangesNothingWhenItPeeks) {
+  cv::Mat texture(480, 752, CV_8UC1);
+  cv::RNG(1).fill(texture, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(texture, texture, {9, 9}, 2.0);
+  cv::normalize(texture, texture, 0, 255, cv::NORM_MINMAX);
+  const TrackedFrame before = track(texture, texture);
+  ASSERT_GT(before.observations.size(), 50U);
+  const auto peek = [&](const cv::Mat& image) {
+    return front_end_.peek(StereoFrame{.stamp = stamp_, .left = image, .right = image});
+  };
+  const auto common = [&](const TrackedFrame& frame) {
+    return std::ranges::count_if(frame.observations, [&](const StereoObservation& seen) {
+      return std::ranges::any_of(before.observations, [&](const StereoObservation& old) {
+        return old.landmark == seen.landmark && (old.left - seen.left).norm() < 0.1;
+      });
+    });
+  };
+  const auto all = std::ssize(before.observations);
+  EXPECT_GT(common(peek(texture)), 9 * all / 10);
+  EXPECT_EQ(common(peek(image_)), 0);
+  EXPECT_EQ(common(peek(cv::Mat())), 0);
+  EXPECT_GT(common(peek(texture)), 9 * all / 10);
+  EXPECT_EQ(front_end_.last_stamp(), before.stamp);
+  EXPECT_EQ(count("missing_images"), 0U);
+  EXPECT_GT(common(track(texture, texture)), 9 * all / 10);
 }
 
 }  // namespace
