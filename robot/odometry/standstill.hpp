@@ -40,8 +40,8 @@ class StandstillDetector {
 
  private:
   struct Readings {
-    Eigen::Vector3d angular_velocity;
-    Eigen::Vector3d specific_force;
+    Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+    Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();
 
     void approach(const ImuSample& sample, double share);
   };
@@ -54,8 +54,8 @@ class StandstillDetector {
 
   Config config_;
   std::optional<Timestamp> last_imu_;
-  Readings mean_{};
-  Readings reference_{};
+  Readings mean_;
+  Readings reference_;
   double reference_time_s_ = 0.0;  // over which it has been averaged
   bool imu_moved_ = false;         // since the last update
   std::optional<Begin> began_;
