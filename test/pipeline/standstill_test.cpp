@@ -30,9 +30,8 @@ SimulatedRun parked_flight(double stands_s) {
 /// What must hold of a robot from when it stands to the end.
 class Parked {
  public:
-  Parked(double stands_s, const std::function<void(TrackedFrame&)>& disturb = {})
-      : stands_s_(stands_s),
-        run_(parked_flight(stands_s)),
+  explicit Parked(double stands_s, const std::function<void(TrackedFrame&)>& disturb = {})
+      : run_(parked_flight(stands_s)),
         system_(run_, map_of(run_), perfect_link(), run_.truth(Timestamp{}).T_odom_body) {
     if (disturb) {
       const double until_s = kStopsAt + 2.0 + stands_s - 1.0;
@@ -112,7 +111,6 @@ class Parked {
     return worst;
   }
 
-  double stands_s_;
   SimulatedRun run_;
   SimulatedSystem system_;
   std::size_t begin_ = 0;

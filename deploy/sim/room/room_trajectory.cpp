@@ -65,12 +65,9 @@ Jet chain(const Jet& outer, const Jet& inner) {
           outer.second * inner.first * inner.first + outer.first * inner.second};
 }
 
-// Time in motion: at rest first, then up to speed with continuous acceleration and jerk.
-Jet time_in_motion(double time_s, double rest_s) {
-  if (rest_s <= 0.0) {
-    return {time_s, 1.0, 0.0};
-  }
-  const double u = (time_s - rest_s) / kSpeedUpTime;
+// Time in motion: at rest until zero, then up to speed with continuous acceleration and jerk.
+Jet speeding_up(double time_s) {
+  const double u = time_s / kSpeedUpTime;
   if (u <= 0.0) {
     return {};
   }
@@ -82,18 +79,20 @@ Jet time_in_motion(double time_s, double rest_s) {
           30.0 * u * u * (1.0 - u) * (1.0 - u) / kSpeedUpTime};
 }
 
-// The same with a stop, which begins with the speeding up backwards in time.
+// At rest first. A stop begins with the speeding up backwards in time.
 Jet time_in_motion(double time_s, double rest_s, const RoomTrajectory::Stop& stop) {
-  if (time_s <= stop.at_s || stop.stands_s <= 0.0) return time_in_motion(time_s, rest_s);
-  const double until_stop = time_in_motion(stop.at_s, rest_s).value;
+  const auto before_stop = [rest_s](double t) {
+    return rest_s <= 0.0 ? Jet{t, 1.0, 0.0} : speeding_up(t - rest_s);
+  };
+  if (time_s <= stop.at_s || stop.stands_s <= 0.0) return before_stop(time_s);
   const double since_stop = time_s - stop.at_s;
-  const double whole = time_in_motion(kSpeedUpTime + 1.0, 1.0).value;  // of slowing down
+  const double stopped = before_stop(stop.at_s).value + speeding_up(kSpeedUpTime).value;
   if (since_stop < kSpeedUpTime) {
-    const Jet left = time_in_motion(kSpeedUpTime - since_stop + 1.0, 1.0);
-    return {until_stop + whole - left.value, left.first, -left.second};
+    const Jet left = speeding_up(kSpeedUpTime - since_stop);
+    return {stopped - left.value, left.first, -left.second};
   }
-  const Jet on = time_in_motion(since_stop - kSpeedUpTime, stop.stands_s);
-  return {until_stop + whole + on.value, on.first, on.second};
+  const Jet on = speeding_up(since_stop - kSpeedUpTime - stop.stands_s);
+  return {stopped + on.value, on.first, on.second};
 }
 
 // From a vehicle's axes (x forward, y left, z up) to EuRoC's IMU (x up, y right, z forward).

@@ -21,7 +21,7 @@ class SimulatedRun {
  public:
   struct Config {
     std::uint64_t seed = 1;
-    double rest_s = 0.0;        ///< stands still that long before it moves (smoothly)
+    double rest_s = 0.0;          ///< stands still that long before it moves (smoothly)
     RoomTrajectory::Stop stop{};  ///< and once more on its way
     double imu_rate_hz = 200.0;
     double frame_rate_hz = 20.0;
