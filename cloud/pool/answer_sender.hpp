@@ -20,8 +20,8 @@ class ConfigReader;
 
 /// The latest answer to one robot: sent at once with its corrections, then repeated alone until the
 /// robot tells that it has arrived, there is a newer one, or it is too old to help; the more often,
-/// the more answers get lost. All within a budget of bytes, which follows the queueing delay of the downlink, and of
-/// which half a burst is kept for new answers.
+/// the more answers get lost. All within a budget of bytes, which follows the queueing delay of the
+/// downlink, and of which half a burst is kept for new answers.
 class AnswerSender {
  public:
   struct Config {
