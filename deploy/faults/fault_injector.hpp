@@ -77,6 +77,7 @@ class FaultInjector final : public SensorSource {
  private:
   bool occurs(std::size_t fault, Timestamp stamp);
   void take(CameraFrame frame);
+  void take(const GivenPose& given) { ready_.emplace_back(given); }
   void take(const ImuSample& sample);
   void take(const ClockStep& step);
   void step_clock(Timestamp stamp);

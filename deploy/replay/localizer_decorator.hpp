@@ -17,6 +17,9 @@ class LocalizerDecorator : public MapLocalizer {
   void start_session(const RobotSession& session, Timestamp now) override {
     inner_.start_session(session, now);
   }
+  void restart_session(const RobotSession& session, Timestamp now) override {
+    inner_.restart_session(session, now);
+  }
   void submit(Submap submap, Timestamp now) override { inner_.submit(std::move(submap), now); }
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp now) override {
     return inner_.take_answers(now);

@@ -59,6 +59,7 @@ struct Arguments {
   LinkArguments link;
   std::string map;
   std::optional<std::string> initial_pose;
+  std::string initial_sigma;
   std::string faults;
   std::string localizers;
   std::string encoding;
@@ -83,6 +84,7 @@ ConfigReader effective(const Program& program, const Arguments& arguments) {
     config.overlay(ConfigReader::from_string(
         "client: {uplink: {encoding: " + arguments.encoding + "}}", "--encoding"));
   }
+  if (!arguments.initial_sigma.empty()) config.overlay(start_sigma_config(arguments.initial_sigma));
   return config;
 }
 
@@ -104,6 +106,7 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
   app.add_option("--initial-pose",
                  arguments.initial_pose,
                  "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+  app.add_option("--initial-sigma", arguments.initial_sigma, "\"m deg\" of that pose, one sigma");
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--duration", arguments.duration_s, "seconds of the recording to play")

@@ -25,6 +25,17 @@ void CloudClient::start_session(const RobotSession& session, Timestamp clock) {
   const Timestamp now = time_at(clock);
   selector_.drop_successor();
   streams_.start_session(session, clock_);
+  begin_session(now);
+}
+
+void CloudClient::restart_session(const RobotSession& session, Timestamp clock) {
+  const Timestamp now = time_at(clock);
+  selector_.drop_successor();
+  streams_.restart_session(session, clock_);
+  begin_session(now);
+}
+
+void CloudClient::begin_session(Timestamp now) {
   answers_.start_session();
   events_.start_session(now);
   if (!selector_.name().empty()) return use_chosen(now);

@@ -62,6 +62,7 @@ class CloudClient final : public MapLocalizer {
   /// The next RobotStatus reports the quality.
   void update(Timestamp /*now*/, Quality quality) override { quality_ = quality; }
   void start_session(const RobotSession& session, Timestamp clock) override;
+  void restart_session(const RobotSession& session, Timestamp clock) override;
   void submit(Submap submap, Timestamp clock) override;
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp clock) override;
   [[nodiscard]] std::optional<Correction> take_correction() override {
@@ -76,6 +77,7 @@ class CloudClient final : public MapLocalizer {
   std::vector<std::string> take_events() { return events_.take(); }
 
  private:
+  void begin_session(Timestamp now);
   void receive_status(const Bytes& payload, Timestamp now);
   std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
   [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;

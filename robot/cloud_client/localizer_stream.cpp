@@ -10,9 +10,13 @@ namespace fleetloc {
 using enum MessageRefusal;
 
 void LocalizerStream::start_session(const RobotSession& session) {
+  uplink_.start_session(session.stereo);
+  restart_session(session);
+}
+
+void LocalizerStream::restart_session(const RobotSession& session) {
   announcer_.start(session);
   announcer_.set_encoding(uplink_.encoding());
-  uplink_.start_session(session.stereo);
   used_numbers_ = 0;
 }
 

@@ -36,6 +36,8 @@ class LocalizerStream {
 
   /// A new session of the robot's odometry; it is announced from begin() on.
   void start_session(const RobotSession& session);
+  /// The same, but the submaps so far are of the new session.
+  void restart_session(const RobotSession& session);
   [[nodiscard]] bool has_session() const { return announcer_.session().has_value(); }
   /// As it was announced last. Expects one.
   [[nodiscard]] const RobotSession& session() const { return *announcer_.session(); }

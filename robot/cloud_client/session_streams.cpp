@@ -9,6 +9,11 @@ void SessionStreams::start_session(const RobotSession& session, Timestamp clock)
   current_.start_session(session);
 }
 
+void SessionStreams::restart_session(const RobotSession& session, Timestamp clock) {
+  drop_successor(clock);
+  current_.restart_session(session);
+}
+
 void SessionStreams::update_start(const MapOdomEstimate& start) {
   current_.update_start(start);
   if (successor_) successor_->update_start(start);

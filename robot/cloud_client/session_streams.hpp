@@ -26,6 +26,8 @@ class SessionStreams {
 
   /// What a successor was brought is of the session before: it is dropped.
   void start_session(const RobotSession& session, Timestamp clock);
+  /// The same, but the submaps so far are of the new session.
+  void restart_session(const RobotSession& session, Timestamp clock);
   void update_start(const MapOdomEstimate& start);
   void add(Submap submap);
 

@@ -18,6 +18,13 @@ void CoupledFusion::reset(SessionNumber session,
   map_prediction_.reset();
 }
 
+void CoupledFusion::forget_map(SessionNumber session) {
+  frames_.forget_answers(session);
+  newest_ = MapBodyFilter(config_.answers);
+  for (FilterState& state : filter_states_) state.filter = newest_;
+  map_prediction_.reset();
+}
+
 PoseEstimate CoupledFusion::add_imu(const ImuSample& sample) {
   if (frames_.add_imu(sample)) {
     if (map_prediction_) {

@@ -18,6 +18,12 @@ void DecoupledFusion::reset(SessionNumber session, const std::optional<MapOdomEs
   alignment_ = oldest_;
 }
 
+void DecoupledFusion::forget_map(SessionNumber session) {
+  frames_.forget_answers(session);
+  oldest_ = MapAlignment(config_.answers);
+  alignment_ = oldest_;
+}
+
 PoseEstimate DecoupledFusion::add_imu(const ImuSample& sample) {
   frames_.add_imu(sample);
   if (frames_.prediction()) {

@@ -29,6 +29,7 @@ class DecoupledFusion final : public PoseFusion {
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
+  void forget_map(SessionNumber session) override;
   [[nodiscard]] std::optional<MapOdomEstimate> session_start() const override;
 
  private:

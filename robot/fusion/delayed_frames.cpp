@@ -42,6 +42,11 @@ void DelayedFrames::reset(SessionNumber session) {
   drift_ = OdometryDrift(drift_config_);
 }
 
+void DelayedFrames::forget_answers(SessionNumber session) {
+  session_ = session;
+  for (Frame& frame : frames_) frame.answer.reset();
+}
+
 bool DelayedFrames::add_imu(const ImuSample& sample) {
   if (!imu_.add(sample)) {
     return false;

@@ -34,6 +34,8 @@ class DelayedFrames {
 
   /// After a reset of the odometry.
   void reset(SessionNumber session);
+  /// After it only answers to this session are stored.
+  void forget_answers(SessionNumber session);
 
   /// False if the sample changes nothing.
   bool add_imu(const ImuSample& sample);

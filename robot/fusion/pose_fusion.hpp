@@ -84,6 +84,10 @@ class PoseFusion {
   /// answer that agrees with it.
   virtual void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) = 0;
 
+  /// The robot is searched for in the map anew: T_map_odom and its answers are dropped, only
+  /// answers to this session are used from now on. The odometry goes on.
+  virtual void forget_map(SessionNumber session) = 0;
+
   /// The current T_map_odom, with which a session of the cloud can start; from the first applied
   /// answer on, also while lost. Its covariance covers answers that contradict it.
   [[nodiscard]] virtual std::optional<MapOdomEstimate> session_start() const = 0;

@@ -19,8 +19,8 @@ void MeasurementQueue::push(SensorMeasurement measurement) {
     make_room<CameraFrame>(max_frames_, dropped_frames_);
   } else if (is<ImuSample>(measurement)) {
     make_room<ImuSample>(max_imu_, dropped_imu_);
-  } else {
-    merge_steps(std::get<ClockStep>(measurement));
+  } else if (auto* step = std::get_if<ClockStep>(&measurement)) {
+    merge_steps(*step);
   }
   queue_.push_back(std::move(measurement));
 }

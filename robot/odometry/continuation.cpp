@@ -17,18 +17,17 @@ constexpr Duration kKeptFor = std::chrono::seconds(30);
 // drown what the window knows in rounding errors (seen at 150 rad, after an hour's gap forever).
 constexpr double kMaxHeadingSigma = 2.0 * std::numbers::pi;
 
-// The turn about z that brings `from` as close to `to` as such a turn can.
-Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
-  const Eigen::Matrix3d R = (to * from.conjugate()).toRotationMatrix();
-  return exp_so3({0.0, 0.0, std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
-}
-
 bool is_lost(const PoseEstimate& pose) {
   const double variance = pose.covariance_odom.topLeftCorner<3, 3>().diagonal().maxCoeff();
   return !(variance <= kMaxHeadingSigma * kMaxHeadingSigma);
 }
 
 }  // namespace
+
+Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  const Eigen::Matrix3d R = (to * from.conjugate()).toRotationMatrix();
+  return exp_so3({0.0, 0.0, std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
+}
 
 void Continuation::add(const PoseEstimate& dead_reckoned) {
   const Timestamp horizon = dead_reckoned.stamp - kKeptFor;

@@ -24,6 +24,9 @@ class Continuation {
   std::map<Timestamp, PoseEstimate> dead_reckoned_;
 };
 
+/// The turn about z that brings `from` as close to `to` as such a turn can.
+Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
+
 /// Transforms a new initialization in yaw and position so that its oldest keyframe is at the
 /// dead-reckoned pose: odom stays continuous, with that pose's uncertainty as drift.
 void continue_from(const PoseEstimate& dead_reckoned, Initialization& initialization);

@@ -50,6 +50,24 @@ void RobotPipeline::step_clock(const ClockStep& step) {
   time_.step(step.stamp, *last_imu_ + std::max(step.unseen, max_imu_step_ + kBeyond));
 }
 
+// In the cloud's eyes a robot that is placed is another one, with the same keyframes. A stamp that
+// is not of the robot's latest seconds is of another clock: it is placed where it is now.
+void RobotPipeline::place(const GivenPose& given) {
+  ++faults_["placements"];
+  if (latest_pose_.quality == Quality::kInitializing) {
+    return session_start_.place_before_odometry(given);
+  }
+  const Timestamp stamp = time_.time_of(given.stamp);
+  const bool is_past = stamp <= latest_pose_.stamp;
+  const auto then = is_past ? fusion_->estimate_at(stamp) : std::nullopt;
+  const auto start = session_start_.place(given, then.value_or(latest_pose_).T_odom_body);
+  ++placements_;
+  fusion_->forget_map(session());
+  const bool is_tracking = odometry_.phase() == VisualInertialOdometry::Phase::kTracking;
+  if (localizer_ == nullptr || !is_tracking) return;  // or with the next odometry
+  localizer_->restart_session(announced(start), *last_imu_);
+}
+
 void RobotPipeline::poll(Timestamp stamp) {
   const Timestamp now = time_.time_of(stamp);
   odometry_.allow_standstill(localizer_ == nullptr || latest_pose_.quality == Quality::kLocalized);
@@ -135,20 +153,21 @@ void RobotPipeline::begin_odometry(const OdometryWindow& window) {
 }
 
 void RobotPipeline::begin_session(const OdometryWindow& window, Timestamp now) {
+  const Pose& T_odom_body = window.window->keyframes.back().state.T_odom_body;
+  const auto start =
+      session_start_.of_session(*window.start, T_odom_body, start_from_answers(T_odom_body));
+  if (!start) ++faults_[std::string(name(start.error()))];
+  localizer_->start_session(announced(start ? std::optional(*start) : std::nullopt), now);
+}
+
+RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& start) const {
   RobotSession announced;
   announced.robot = setup_.id;
   announced.session = session();
   announced.start_stamp = setup_.program_start;
   announced.stereo = rectified(setup_.calibration);
-  const Pose& T_odom_body = window.window->keyframes.back().state.T_odom_body;
-  const auto start =
-      session_start_.of_session(*window.start, T_odom_body, start_from_answers(T_odom_body));
-  if (start) {
-    announced.start = *start;
-  } else {
-    ++faults_[std::string(name(start.error()))];
-  }
-  localizer_->start_session(announced, now);
+  announced.start = start;
+  return announced;
 }
 
 void RobotPipeline::fuse_answers(Timestamp now) {
@@ -178,7 +197,7 @@ LinkTraffic RobotPipeline::traffic() const {
 
 SessionNumber RobotPipeline::session() const {
   return SessionNumber{static_cast<std::uint32_t>(setup_.session) +
-                       static_cast<std::uint32_t>(odometry_.statistics().resets)};
+                       static_cast<std::uint32_t>(odometry_.statistics().resets) + placements_};
 }
 
 std::map<std::string, std::uint64_t> RobotPipeline::faults() const {

@@ -14,6 +14,7 @@
 #include "robot/pipeline/input_validator.hpp"
 #include "robot/pipeline/session_start.hpp"
 #include "robot/sensors/clock_step.hpp"
+#include "robot/sensors/given_pose.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/model/camera_frame.hpp"
 #include "shared/model/map_localizer.hpp"
@@ -28,7 +29,8 @@ struct RobotSetup {
   RobotId id;
   StereoCalibration calibration;
   ImuNoise imu_noise;
-  SessionNumber session{1};        ///< of the first start of the odometry; each reset adds one
+  SessionNumber session{
+      1};  ///< of the first start of the odometry; each reset and placement adds one
   Timestamp program_start{};       ///< a later one replaces the robot's session in the cloud
   std::optional<Pose> T_map_body;  ///< at the first image
 };
@@ -78,6 +80,11 @@ class RobotPipeline {
   /// calibrated size, is ignored.
   expected<void, InputRejection> add_frame(CameraFrame frame);
 
+  /// Somebody tells where the robot is, at any time, also if it had a pose in the map: that and its
+  /// answers are forgotten, and a new session of the cloud starts from here, with the keyframes so
+  /// far. The odometry goes on.
+  void place(const GivenPose& given);
+
   /// The clock of the sensors was set. The odometry is reset, and a new session goes on from the
   /// pose dead-reckoned over the time that was not seen, at least the shortest gap that resets it.
   /// Outputs have stamps of the new clock from then on; without a step the clock may not go back.
@@ -96,7 +103,8 @@ class RobotPipeline {
   [[nodiscard]] Duration fusion_cpu() const { return fusion_cpu_; }  ///< of its IMU samples
   [[nodiscard]] LinkTraffic traffic() const;  ///< of its localizer; without one there is none
   /// Counts of input faults and of their effects, by kind: those of the odometry, "clock_steps",
-  /// "refused_..." by InputRejection, "unfused_..." (odometry) by FusionRejection, and by NoStart.
+  /// "placements", "refused_..." by InputRejection, "unfused_..." (odometry) by FusionRejection,
+  /// and by NoStart.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
  private:
@@ -109,6 +117,7 @@ class RobotPipeline {
   void take_window(Timestamp now);
   void begin_odometry(const OdometryWindow& window);
   void begin_session(const OdometryWindow& window, Timestamp now);
+  [[nodiscard]] RobotSession announced(const std::optional<MapOdomEstimate>& start) const;
   void fuse_answers(Timestamp now);
   [[nodiscard]] std::optional<MapOdomEstimate> start_from_answers(const Pose& T_odom_body) const;
   [[nodiscard]] SessionNumber session() const;
@@ -129,10 +138,15 @@ class RobotPipeline {
   std::vector<FrameOutput> frames_;
   std::vector<LocalizationOutput> answers_;
   std::uint64_t imu_samples_ = 0;
+  std::uint32_t placements_ = 0;  // with a session of their own
   std::map<std::string, std::uint64_t> faults_ = {{"withheld_starts", 0}};
   Duration fusion_cpu_{};
 };
 
 RobotPipeline::Config read_robot_pipeline_config(ConfigReader config);
+
+/// The part of the configuration that says how uncertain the start pose is.
+/// @param text  "m deg" of position and heading. Throws std::invalid_argument.
+ConfigReader start_sigma_config(const std::string& text);
 
 }  // namespace fleetloc

@@ -1,3 +1,6 @@
+#include <sstream>
+#include <stdexcept>
+
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/geometry/angle.hpp"
@@ -12,6 +15,20 @@ RobotPipeline::Config read_robot_pipeline_config(ConfigReader config) {
                     .yaw_sigma_rad = start.positive("yaw_sigma_deg") * kRadPerDeg,
                     .tilt_sigma_rad = start.positive("tilt_sigma_deg") * kRadPerDeg,
                     .max_carried_sigma_m = start.positive("max_carried_sigma_m")}};
+}
+
+ConfigReader start_sigma_config(const std::string& text) {
+  std::istringstream stream(text);
+  double position_m = 0.0;
+  double yaw_deg = 0.0;
+  std::string rest;
+  if (!(stream >> position_m >> yaw_deg) || stream >> rest || !(position_m > 0.0) ||
+      !(yaw_deg > 0.0)) {
+    throw std::invalid_argument("'" + text + "' is no sigma: expected \"m deg\", both positive");
+  }
+  std::ostringstream yaml;
+  yaml << "start: {position_sigma_m: " << position_m << ", yaw_sigma_deg: " << yaw_deg << "}";
+  return ConfigReader::from_string(yaml.str(), "--initial-sigma");
 }
 
 }  // namespace fleetloc

@@ -5,22 +5,57 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "robot/odometry/continuation.hpp"
+#include "shared/geometry/so3.hpp"
+
 namespace fleetloc {
+
+namespace {
+
+// Right perturbations, of a pose with this attitude, along the axes of its parent.
+Matrix6d turned(const Matrix6d& covariance, const Eigen::Quaterniond& R) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = R.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = R.toRotationMatrix();
+  return turn * covariance * turn.transpose();
+}
+
+Matrix6d diagonal(double tilt_rad, double yaw_rad, double position_m) {
+  Vector6d sigmas;
+  sigmas << tilt_rad, tilt_rad, yaw_rad, position_m, position_m, position_m;
+  return sigmas.cwiseAbs2().asDiagonal();
+}
+
+// What is said of yaw and position, and `sigma` where nothing is: rounding leaves little of zero.
+Matrix6d covariance_map_of(const GivenPose& given, const StartUncertainty& sigma) {
+  constexpr double kZero = 1e-9;  // [rad^2, m^2]
+  const Matrix6d said = turned(given.covariance, given.T_map_body.R);
+  Matrix6d result = covariance(sigma);
+  for (int i = 2; i < 6; ++i) {
+    for (int j = 2; j < 6; ++j) {
+      if (said(i, i) > kZero && said(j, j) > kZero) result(i, j) = said(i, j);
+    }
+  }
+  return result;
+}
+
+Pose levelled(const Pose& T_map_body, const Pose& T_odom_body) {
+  return {yaw_between(T_odom_body.R, T_map_body.R) * T_odom_body.R, T_map_body.p};
+}
+
+}  // namespace
+
+Matrix6d covariance(const StartUncertainty& sigma) {
+  return diagonal(sigma.tilt_sigma_rad, sigma.yaw_sigma_rad, sigma.position_sigma_m);
+}
 
 MapOdomEstimate map_odom_estimate_at(const Pose& T_map_body,
                                      const Pose& T_odom_body,
-                                     const StartUncertainty& sigma) {
-  const Eigen::Matrix3d R_body_map = T_map_body.R.toRotationMatrix().transpose();
-  const Eigen::Vector3d rotation_sigma(
-      sigma.tilt_sigma_rad, sigma.tilt_sigma_rad, sigma.yaw_sigma_rad);
-  Matrix6d covariance_body = Matrix6d::Zero();
-  covariance_body.topLeftCorner<3, 3>() =
-      R_body_map * rotation_sigma.cwiseAbs2().asDiagonal() * R_body_map.transpose();
-  covariance_body.bottomRightCorner<3, 3>() =
-      Eigen::Matrix3d::Identity() * sigma.position_sigma_m * sigma.position_sigma_m;
+                                     const Matrix6d& covariance_map) {
+  const Matrix6d covariance = turned(covariance_map, T_map_body.R.conjugate());
   const Matrix6d A = adjoint(T_odom_body);
   return {.T_map_odom = T_map_body * inverse(T_odom_body),
-          .covariance = A * covariance_body * A.transpose(),
+          .covariance = A * covariance * A.transpose(),
           .p_odom = T_odom_body.p};
 }
 
@@ -31,7 +66,9 @@ std::string_view name(NoStart reason) {
 SessionStart::SessionStart(std::optional<Pose> T_map_body,
                            const StartUncertainty& sigma,
                            const ImuGapModel& imu_gaps)
-    : T_map_body_(std::move(T_map_body)), sigma_(sigma), imu_gaps_(imu_gaps) {}
+    : sigma_(sigma), imu_gaps_(imu_gaps) {
+  if (T_map_body) first_pose_ = {.T_map_body = *T_map_body, .covariance_map = covariance(sigma)};
+}
 
 void SessionStart::note_frame(Timestamp stamp) {
   if (!first_frame_) first_frame_ = stamp;
@@ -45,31 +82,50 @@ expected<MapOdomEstimate, NoStart> SessionStart::of_session(
     latest_ = from_answers;
   } else if (begin.continued && latest_) {
     latest_ = continued_start(*latest_, *begin.continued);
-  } else if (T_map_body_) {
-    latest_ = from_user(begin);
+  } else if (first_pose_) {
+    latest_ = from_first_pose(begin);
   } else {
     latest_.reset();
   }
   if (!latest_) return unexpected(NoStart::kUnknown);
-  const bool as_given_by_user = begin.T_first_newest.has_value();
-  if (!as_given_by_user && !is_certain_enough(*latest_, T_odom_body)) {
+  const bool as_given = begin.T_first_newest.has_value();
+  if (!as_given && !is_certain_enough(*latest_, T_odom_body)) {
     return unexpected(NoStart::kTooUncertain);
   }
   return *latest_;
 }
 
-// The user's start pose refers to the first frame. Where the motion since then was not observed,
-// its bounds (ImuGapModel) are added.
-MapOdomEstimate SessionStart::from_user(const OdometryStart& begin) const {
-  if (begin.T_first_newest) {
-    return map_odom_estimate_at(*T_map_body_ * *begin.T_first_newest, begin.T_odom_body, sigma_);
+MapOdomEstimate SessionStart::place(const GivenPose& given, const Pose& T_odom_body) {
+  first_pose_.reset();
+  latest_ = map_odom_estimate_at(
+      levelled(given.T_map_body, T_odom_body), T_odom_body, covariance_map_of(given, sigma_));
+  return *latest_;
+}
+
+void SessionStart::place_before_odometry(const GivenPose& given) {
+  first_pose_ = {.T_map_body = given.T_map_body,
+                 .covariance_map = covariance_map_of(given, sigma_),
+                 .is_placed = true};
+}
+
+// The pose refers to the first frame. Where the motion since then was not observed, its bounds
+// (ImuGapModel) are added; where somebody has told the pose meanwhile, the motion itself.
+MapOdomEstimate SessionStart::from_first_pose(const OdometryStart& begin) const {
+  Pose T_map_body = first_pose_->T_map_body;
+  Matrix6d covariance_map = first_pose_->covariance_map;
+  if (const auto& T_first_newest = begin.T_first_newest) {
+    T_map_body = T_map_body * *T_first_newest;
+    if (first_pose_->is_placed) {
+      const double angle = log_so3(T_first_newest->R).norm();
+      covariance_map += diagonal(0.0, angle, T_first_newest->p.norm());
+    }
+  } else {
+    const double t = to_seconds(begin.stamp - *first_frame_);
+    const double angle = imu_gaps_.turn_rate_sigma * t;
+    covariance_map += diagonal(angle, angle, imu_gaps_.speed_sigma * t);
   }
-  const double t = to_seconds(begin.stamp - *first_frame_);
-  StartUncertainty sigma = sigma_;
-  sigma.position_sigma_m = std::hypot(sigma.position_sigma_m, imu_gaps_.speed_sigma * t);
-  sigma.yaw_sigma_rad = std::hypot(sigma.yaw_sigma_rad, imu_gaps_.turn_rate_sigma * t);
-  sigma.tilt_sigma_rad = std::hypot(sigma.tilt_sigma_rad, imu_gaps_.turn_rate_sigma * t);
-  return map_odom_estimate_at(*T_map_body_, begin.T_odom_body, sigma);
+  if (first_pose_->is_placed) T_map_body = levelled(T_map_body, begin.T_odom_body);
+  return map_odom_estimate_at(T_map_body, begin.T_odom_body, covariance_map);
 }
 
 bool SessionStart::is_certain_enough(const MapOdomEstimate& start, const Pose& T_odom_body) const {

@@ -4,13 +4,14 @@
 #include <string_view>
 
 #include "robot/odometry/visual_inertial_odometry.hpp"
+#include "robot/sensors/given_pose.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/geometry/pose.hpp"
 #include "shared/model/session.hpp"
 
 namespace fleetloc {
 
-/// Uncertainty of a start pose given by the user, along the axes of the map.
+/// Uncertainty of a start pose of which nothing else is said, along the axes of the map.
 struct StartUncertainty {
   double position_sigma_m;
   double yaw_sigma_rad;
@@ -21,10 +22,13 @@ struct StartUncertainty {
 };
 
 /// T_map_odom of a robot at T_odom_body that is known to be at T_map_body.
+/// @param covariance_map  of T_map_body, perturbed along the axes of the map
 MapOdomEstimate map_odom_estimate_at(const Pose& T_map_body,
                                      const Pose& T_odom_body,
-                                     const StartUncertainty& sigma);
+                                     const Matrix6d& covariance_map);
 
+/// Along the axes of the map.
+Matrix6d covariance(const StartUncertainty& sigma);
 /// Why a session has no start pose.
 enum class NoStart {
   kUnknown,       ///< nobody has ever told where the robot is
@@ -35,10 +39,10 @@ enum class NoStart {
 std::string_view name(NoStart reason);
 
 /// Where a session of the cloud starts: from the answers so far, or else from the session before,
-/// or else from the pose that the user has given.
+/// or else from the pose that somebody has given.
 class SessionStart {
  public:
-  /// @param T_map_body  the user's, at the first frame of all
+  /// @param T_map_body  as given at the start, at the first frame of all
   /// @param imu_gaps  bounds of the motion that nothing has observed
   SessionStart(std::optional<Pose> T_map_body,
                const StartUncertainty& sigma,
@@ -46,6 +50,16 @@ class SessionStart {
 
   /// Frames that were tracked, in order: only the first one counts.
   void note_frame(Timestamp stamp);
+
+  /// The robot is at this pose, whatever was known before. Its tilt is the odometry's, which knows
+  /// where down is: people tell a place and a heading.
+  /// @param T_odom_body  at its stamp
+  /// @return where the session starts that begins now
+  MapOdomEstimate place(const GivenPose& given, const Pose& T_odom_body);
+
+  /// The same while there has been no odometry: as far as the robot has not moved since the first
+  /// frame.
+  void place_before_odometry(const GivenPose& given);
 
   /// Of a session whose odometry has begun as `begin` tells.
   /// @param T_odom_body  the newest keyframe of its first window
@@ -56,9 +70,15 @@ class SessionStart {
 
  private:
   [[nodiscard]] bool is_certain_enough(const MapOdomEstimate& start, const Pose& T_odom_body) const;
-  [[nodiscard]] MapOdomEstimate from_user(const OdometryStart& begin) const;
+  [[nodiscard]] MapOdomEstimate from_first_pose(const OdometryStart& begin) const;
 
-  std::optional<Pose> T_map_body_;
+  struct FirstPose {
+    Pose T_map_body;  // at the first frame
+    Matrix6d covariance_map;
+    bool is_placed = false;  // by somebody, at some time since
+  };
+
+  std::optional<FirstPose> first_pose_;
   StartUncertainty sigma_;
   ImuGapModel imu_gaps_;
   std::optional<Timestamp> first_frame_;

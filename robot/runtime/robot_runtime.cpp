@@ -26,6 +26,8 @@ void RobotRuntime::run(const std::stop_token& stop) {
 void RobotRuntime::take(SensorMeasurement measurement) {
   if (auto* frame = std::get_if<CameraFrame>(&measurement)) {
     add(std::move(*frame));
+  } else if (const auto* given = std::get_if<GivenPose>(&measurement)) {
+    robot_.place(*given);
   } else if (const auto* step = std::get_if<ClockStep>(&measurement)) {
     robot_.step_clock(*step);
   } else {

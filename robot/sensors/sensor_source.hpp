@@ -9,16 +9,19 @@
 #include <variant>
 
 #include "robot/sensors/clock_step.hpp"
+#include "robot/sensors/given_pose.hpp"
 #include "shared/model/camera_frame.hpp"
 #include "shared/model/inertial.hpp"
 
 namespace fleetloc {
 
-/// One measurement, or that the clock of all that follow was set.
-using SensorMeasurement = std::variant<ImuSample, CameraFrame, ClockStep>;
+/// One measurement, or where somebody says that the robot is, or that the clock of all that follow
+/// was set.
+using SensorMeasurement = std::variant<ImuSample, CameraFrame, GivenPose, ClockStep>;
 
 inline Timestamp stamp_of(const SensorMeasurement& measurement) {
   if (const auto* sample = std::get_if<ImuSample>(&measurement)) return sample->stamp;
+  if (const auto* given = std::get_if<GivenPose>(&measurement)) return given->stamp;
   if (const auto* step = std::get_if<ClockStep>(&measurement)) return step->stamp;
   return stamp_of(std::get<CameraFrame>(measurement));
 }

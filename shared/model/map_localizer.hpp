@@ -40,6 +40,12 @@ class MapLocalizer {
   /// Ends the session before it; submaps of a session are accepted only after this.
   virtual void start_session(const RobotSession& session, Timestamp now) = 0;
 
+  /// The same, where the robot's odometry goes on: what was submitted so far is of the new session,
+  /// too.
+  virtual void restart_session(const RobotSession& session, Timestamp now) {
+    start_session(session, now);
+  }
+
   virtual void submit(Submap submap, Timestamp now) = 0;
 
   /// What has arrived until `now`, oldest first; each answer is returned once.

@@ -24,9 +24,10 @@ struct MapOdomEstimate {
 /// What a localizer needs before the first submap of a session.
 struct RobotSession {
   RobotId robot;
-  SessionNumber session{};  ///< increases at every reset of the robot's odometry
-  Timestamp start_stamp;    ///< when the robot's program started; a later one replaces the session
-  std::string localizer;    ///< the chosen one
+  SessionNumber
+      session{};  ///< increases at every reset of the robot's odometry, and when it is placed
+  Timestamp start_stamp;  ///< when the robot's program started; a later one replaces the session
+  std::string localizer;  ///< the chosen one
   Incarnation incarnation{};  ///< of that localizer; others ignore it
   SubmapEncoding encoding = SubmapEncoding::kFull;
   RectifiedStereo stereo;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,10 @@ namespace fleetloc {
 /// A robot in simulated time and on simulated tracks, with its output.
 class SimulatedRobot {
  public:
-  SimulatedRobot(const SimulatedRun& run, Channel& channel, const Pose& T_map_body_start)
+  /// @param T_map_body_start  nothing: nobody has told it
+  SimulatedRobot(const SimulatedRun& run,
+                 Channel& channel,
+                 const std::optional<Pose>& T_map_body_start)
       : run_(run),
         client_("robot", channel, read_cloud_client_config(defaults().section("client"))),
         back_end_(
@@ -48,6 +52,8 @@ class SimulatedRobot {
     }
     played_ = end + Duration(1);
   }
+
+  void place(const GivenPose& given) { pipeline_.place(given); }
 
   [[nodiscard]] const CloudClient& client() const { return client_; }
 

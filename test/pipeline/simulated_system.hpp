@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cloud/laser_map/build_map.hpp"
@@ -24,7 +25,7 @@ class SimulatedSystem {
   SimulatedSystem(const SimulatedRun& run,
                   std::shared_ptr<const LaserMap> map,
                   const LinkConfig& link,
-                  const Pose& T_map_body_start)
+                  const std::optional<Pose>& T_map_body_start)
       : network_(link),
         robot_end_(network_.join_robot("robot")),
         cloud_end_(network_.join_cloud("localizer")),

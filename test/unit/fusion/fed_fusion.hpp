@@ -117,12 +117,15 @@ class FedFusion {
   }
   /// T_map_body of a frame if T_map_odom is the given one.
   AnswerOutcome answer_at(double t, const Pose& T_map_odom = true_T_map_odom()) {
-    return fusion.add_answer(answer(t, T_map_odom * drive.pose(t)));
+    LocalizationResult result = answer(t, T_map_odom * drive.pose(t));
+    result.session = session;
+    return fusion.add_answer(result);
   }
 
   CircularDrive drive;
   PoseFusion& fusion;
   PoseEstimate output;
+  SessionNumber session{};  ///< of the answers
 
  private:
   int ticks_ = 0;

@@ -127,6 +127,28 @@ TEST_P(EitherFusion, IsLostUntilThereIsAnAnswerHoweverLate) {
   EXPECT_EQ(fed.output.since_last_answer, at(12.1) - at(0.0));
 }
 
+TEST_P(EitherFusion, ForgetsTheMapAndKeepsTheOdometry) {
+  FedFusion fed(config());
+  FedFusion other(config());
+  for (FedFusion* each : {&fed, &other}) {
+    each->drive_to(3.0);
+    each->answer_at(1.0);
+  }
+  fed.fusion.forget_map(SessionNumber{9});
+  for (FedFusion* each : {&fed, &other}) each->drive_to(3.01);
+  EXPECT_TRUE(identical(fed.output.T_odom_body, other.output.T_odom_body));
+  EXPECT_EQ(fed.output.covariance_odom, other.output.covariance_odom);
+  EXPECT_FALSE(fed.output.T_map_body);
+  EXPECT_FALSE(fed.fusion.session_start());
+  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  EXPECT_EQ(name(fed.answer_at(2.0)), "wrong_session");
+  fed.session = SessionNumber{9};
+  EXPECT_EQ(name(fed.answer_at(2.0)), "applied") << "to a frame before it";
+  fed.drive_to(3.1);
+  ASSERT_TRUE(fed.output.T_map_body);
+  EXPECT_LT(distance(*fed.output.T_map_body, true_T_map_odom() * fed.drive.pose(3.1)), tolerance());
+}
+
 TEST_P(EitherFusion, IsLocalizedAsLongAsItsCovarianceIsSmall) {
   const auto sigma = [](const PoseEstimate& estimate, int row) {
     return max_sigma(estimate.covariance_map.block<3, 3>(row, row));

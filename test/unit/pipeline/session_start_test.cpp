@@ -18,7 +18,7 @@ TEST(MapOdomEstimate, HasTheCovarianceOfPosesDrawnAroundIt) {
   constexpr int kDraws = 40'000;
   const Pose T_map_body{exp_so3({0.7, -1.2, 2.0}), {12.0, -3.0, 1.0}};
   const Pose T_odom_body{exp_so3({-0.4, 0.9, 0.3}), {4.0, 2.0, -1.5}};
-  const MapOdomEstimate start = map_odom_estimate_at(T_map_body, T_odom_body, kSigma);
+  const MapOdomEstimate start = map_odom_estimate_at(T_map_body, T_odom_body, covariance(kSigma));
 
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -139,6 +139,68 @@ TEST(SessionStart, IsNotThatOfAnOdomThatIsGone) {
   ASSERT_TRUE(session_start.of_session(begin, begin.T_odom_body, from_answers).has_value());
   begin.continued.reset();
   EXPECT_EQ(session_start.of_session(begin, begin.T_odom_body, {}).error(), NoStart::kUnknown);
+}
+
+double sigma_along_map(const MapOdomEstimate& start, const Pose& T_odom_body, int axis) {
+  const Matrix6d A = adjoint(inverse(T_odom_body));
+  const Matrix6d covariance = A * start.covariance * A.transpose();
+  const Eigen::Matrix3d R = (start.T_map_odom * T_odom_body).R.toRotationMatrix();
+  const auto block = axis < 3 ? covariance.topLeftCorner<3, 3>().eval()
+                              : covariance.bottomRightCorner<3, 3>().eval();
+  return std::sqrt((R * block * R.transpose())(axis % 3, axis % 3));
+}
+
+/// As RViz tells it: flat on the ground, with what it knows of x, y and yaw.
+GivenPose from_rviz() {
+  GivenPose given{.T_map_body = {exp_so3({0.0, 0.0, 2.0}), {12.0, -3.0, 0.0}}};
+  const Eigen::Matrix3d R = given.T_map_body.R.toRotationMatrix();
+  const Eigen::Vector3d flat(0.25, 0.25, 0.0);
+  given.covariance(2, 2) = 0.0685;
+  given.covariance.bottomRightCorner<3, 3>() = R.transpose() * flat.asDiagonal() * R;
+  return given;
+}
+
+TEST(SessionStart, OfAPlacedRobotHasItsOwnTiltAndTheUncertaintyThatWasTold) {
+  const Pose T_odom_body{exp_so3({0.0, 0.0, -1.0}) * exp_so3({0.1, -0.2, 0.0}), {4.0, 2.0, -1.0}};
+  SessionStart session_start(std::nullopt, kUser, kGaps);
+  const MapOdomEstimate start = session_start.place(from_rviz(), T_odom_body);
+  const Eigen::Vector3d up_in_odom = start.T_map_odom.R.conjugate() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT((up_in_odom - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  const Pose T_map_body = start.T_map_odom * T_odom_body;
+  EXPECT_LT((T_map_body.p - from_rviz().T_map_body.p).norm(), 1e-9);
+  const double turn = log_so3(from_rviz().T_map_body.R.conjugate() * T_map_body.R).norm();
+  EXPECT_NEAR(turn, std::hypot(0.1, 0.2), 0.01) << "the tilt, and no yaw";
+  for (const int axis : {0, 1}) EXPECT_NEAR(sigma_along_map(start, T_odom_body, axis), 0.01, 1e-9);
+  EXPECT_NEAR(sigma_along_map(start, T_odom_body, 2), std::sqrt(0.0685), 1e-6);
+  for (const int axis : {3, 4}) EXPECT_NEAR(sigma_along_map(start, T_odom_body, axis), 0.5, 1e-6);
+  EXPECT_NEAR(sigma_along_map(start, T_odom_body, 5), 0.1, 1e-9) << "of which nothing was told";
+}
+
+TEST(SessionStart, OfAPlacedRobotReplacesWhatWasKnown) {
+  SessionStart session_start(kT_map_body, kUser, kGaps);
+  const OdometryStart first = observed_start();
+  ASSERT_TRUE(session_start.of_session(first, first.T_odom_body, {}).has_value());
+  const MapOdomEstimate placed = session_start.place(from_rviz(), first.T_odom_body);
+  const OdometryStart next = continued_start_with(0.01);
+  const auto start = session_start.of_session(next, next.T_odom_body, {});
+  ASSERT_TRUE(start.has_value());
+  EXPECT_LT(local_coordinates(start->T_map_odom, placed.T_map_odom).norm(), 1e-9);
+  OdometryStart anew = next;
+  anew.continued.reset();
+  EXPECT_EQ(session_start.of_session(anew, anew.T_odom_body, {}).error(), NoStart::kUnknown)
+      << "not the pose at the first frame, which was another";
+}
+
+TEST(SessionStart, OfARobotPlacedBeforeItsOdometryKnowsNotWhenOnItsWay) {
+  SessionStart session_start(std::nullopt, kUser, kGaps);
+  GivenPose given = from_rviz();
+  session_start.place_before_odometry(given);
+  const OdometryStart begin = observed_start();  // 1 m later
+  const auto start = session_start.of_session(begin, begin.T_odom_body, {});
+  ASSERT_TRUE(start.has_value());
+  const Pose expected = given.T_map_body * *begin.T_first_newest;
+  EXPECT_LT(local_coordinates(start->T_map_odom * begin.T_odom_body, expected).norm(), 1e-9);
+  EXPECT_NEAR(sigma_along_map(*start, begin.T_odom_body, 3), std::hypot(0.5, 1.0), 1e-6);
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+// What the cloud is told when somebody tells where the robot is.
+#include <gtest/gtest.h>
+
+#include "deploy/replay/simulated_back_end.hpp"
+#include "robot/pipeline/robot_pipeline.hpp"
+#include "test/simulated_setup.hpp"
+#include "test/truthful_localizer.hpp"
+
+namespace fleetloc {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Placement : public testing::Test {
+ protected:
+  void play(double seconds) {
+    const auto end = Timestamp{from_seconds(seconds)};
+    for (const ImuSample& sample : run_.imu(played_, end)) {
+      now_ = pipeline_.add_imu(sample).value();
+      pipeline_.poll(sample.stamp);
+      while (run_.frame_stamp(next_frame_) <= sample.stamp) {
+        static_cast<void>(pipeline_.add_frame(run_.frame(next_frame_++)));
+      }
+    }
+    played_ = end + Duration(1);
+  }
+  [[nodiscard]] Pose truth(double t) const {
+    return run_.truth(Timestamp{from_seconds(t)}).T_odom_body;
+  }
+  /// Of the pose now by the start that was announced last.
+  [[nodiscard]] double start_error_m() const {
+    const auto& start = localizer_.sessions.back().start;
+    return ((start->T_map_odom * now_.T_odom_body).p - run_.truth(now_.stamp).T_odom_body.p).norm();
+  }
+
+  const SimulatedRun run_{noisy_flight()};
+  TruthfulLocalizer localizer_{[this](Timestamp stamp) { return run_.truth(stamp).T_odom_body; }};
+  SimulatedBackEnd back_end_{
+      KeyframeWorker(run_.stereo(), run_.noise(), read_keyframe_worker_config(defaults()), {}),
+      50ms};
+  RobotPipeline pipeline_{{.id = "robot",
+                           .calibration = ideal_cameras(run_.stereo()),
+                           .imu_noise = run_.noise(),
+                           .session = SessionNumber{7},
+                           .program_start = {},
+                           .T_map_body = {}},
+                          read_robot_pipeline_config(defaults()),
+                          back_end_,
+                          &localizer_};
+  PoseEstimate now_;
+  Timestamp played_;
+  int next_frame_ = 0;
+};
+
+TEST_F(Placement, BeginsANewSessionAtOnceFromWhereTheRobotHasDrivenSince) {
+  play(10.0);
+  ASSERT_EQ(localizer_.sessions.size(), 1U);
+  EXPECT_FALSE(localizer_.sessions[0].start);
+  pipeline_.place({.stamp = Timestamp{from_seconds(8.0)}, .T_map_body = truth(8.0)});
+  ASSERT_EQ(localizer_.sessions.size(), 2U);
+  EXPECT_EQ(localizer_.sessions[1].session, SessionNumber{8});
+  EXPECT_EQ(localizer_.sessions[1].start_stamp, localizer_.sessions[0].start_stamp);
+  EXPECT_LT(start_error_m(), 0.1);
+  play(12.0);
+  EXPECT_EQ(now_.quality, Quality::kLocalized);
+  EXPECT_EQ(pipeline_.faults().at("placements"), 1U);
+  EXPECT_EQ(pipeline_.odometry().statistics().resets, 0U);
+}
+
+TEST_F(Placement, ByAnotherClockIsWhereTheRobotIsNow) {
+  play(10.0);
+  for (const Timestamp stamp : {Timestamp{}, Timestamp{std::chrono::hours(24 * 365 * 50)}}) {
+    pipeline_.place({.stamp = stamp, .T_map_body = truth(10.0)});
+    EXPECT_LT(start_error_m(), 0.01);
+  }
+  EXPECT_EQ(localizer_.sessions.back().session, SessionNumber{9});
+}
+
+TEST_F(Placement, BeforeThereIsAPoseIsTheStartOfTheFirstSession) {
+  play(0.5);
+  ASSERT_EQ(now_.quality, Quality::kInitializing);
+  pipeline_.place({.stamp = Timestamp{from_seconds(0.5)}, .T_map_body = truth(0.5)});
+  play(6.0);
+  ASSERT_EQ(localizer_.sessions.size(), 1U);
+  ASSERT_TRUE(localizer_.sessions[0].start);
+  EXPECT_LT(start_error_m(), 0.2);
+}
+
+}  // namespace
+}  // namespace fleetloc
