@@ -211,6 +211,10 @@ SensorsConfig read_sensors_config(ConfigReader root, const std::filesystem::path
                        .calibration = read_calibration(root, folder)};
   if (root.has("qos")) config.qos = read_path(root, "qos", folder);
   if (root.has("frames")) config.frames = read_frames(root.section("frames"));
+  if (root.has("input")) {
+    ConfigReader input = root.section("input");
+    config.initial_pose.name = read_name(input, "initial_pose_topic");
+  }
   if (root.has("output")) config.output = read_output(root.section("output"));
   if (root.has("tolerances")) config.assembler = read_tolerances(root.section("tolerances"));
   root.expect_fully_read();

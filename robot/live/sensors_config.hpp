@@ -75,6 +75,8 @@ struct SensorsConfig {
   RosTopic imu;
   CalibrationSource calibration;
   RosFrames frames = {};
+  /// PoseWithCovarianceStamped in map, as RViz publishes its "2D Pose Estimate".
+  RosTopic initial_pose{.name = "/initialpose", .qos = TopicQos::kDefault};
   RosOutput output = {};
   SensorAssembler::Config assembler = {};  ///< without the time shift, which the calibration tells
 };

@@ -1,12 +1,18 @@
 #include "robot/node/live_sensors.hpp"
 
+#include <cmath>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
+#include "robot/node/ros2_poses.hpp"
 #include "robot/node/sensor_topics.hpp"
 #include "shared/core/boot_time.hpp"
 #include "shared/core/cpu_time.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/ros2/image_codec.hpp"
 #include "shared/ros2/imu_codec.hpp"
+#include "shared/ros2/pose_codec.hpp"
 #include "shared/transport/ros2/receive_buffers.hpp"
 
 namespace fleetloc {
@@ -17,16 +23,19 @@ constexpr std::chrono::milliseconds kPollInterval(10);  // as SensorAssembler::p
 // What may wait for the thread that decodes: half a second of images, two of an IMU at 1 kHz.
 constexpr std::size_t kMaxImages = 10;
 constexpr std::size_t kMaxImu = 2000;
+constexpr std::size_t kMaxGivenPoses = 5;
 
 // Numbers of subscriptions().
 constexpr std::size_t kLeft = 0;
 constexpr std::size_t kRight = 1;
 constexpr std::size_t kImu = 2;
+constexpr std::size_t kInitialPose = 3;
 
 std::vector<Ros2Subscription> subscriptions(const SensorsConfig& config) {
   return {{image_topic(config.left), kMaxImages},
           {image_topic(config.right), kMaxImages},
-          {imu_topic(config.imu), kMaxImu}};
+          {imu_topic(config.imu), kMaxImu},
+          {initial_pose_topic(config.initial_pose), kMaxGivenPoses}};
 }
 
 SensorAssembler::Config assembler_config(const SensorsConfig& config, const SensorRig& rig) {
@@ -39,14 +48,26 @@ SensorAssembler::Topics names(const SensorsConfig& config) {
   return {.left = config.left.topic.name, .right = config.right.topic.name, .imu = config.imu.name};
 }
 
+std::string place_text(const Pose& T_map_base) {
+  const Eigen::Matrix3d R = T_map_base.R.toRotationMatrix();
+  const double yaw_deg = std::atan2(R(1, 0), R(0, 0)) / kRadPerDeg;
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) m, heading {:.0f} degrees",
+                     T_map_base.p.x(),
+                     T_map_base.p.y(),
+                     T_map_base.p.z(),
+                     yaw_deg);
+}
+
 }  // namespace
 
 LiveSensors::LiveSensors(const SensorsConfig& config,
                          const SensorRig& rig,
                          Ros2Participant& participant,
-                         Say say)
+                         Say say,
+                         std::function<void()> waiting)
     : config_(config),
       say_(std::move(say)),
+      waiting_(std::move(waiting)),
       topics_(participant, subscriptions(config)),
       assembler_(assembler_config(config, rig), names(config), rig.cameras),
       thread_([this](const std::stop_token& stop) { listen(stop); }) {}
@@ -55,12 +76,18 @@ std::optional<SensorMeasurement> LiveSensors::next(const std::stop_token& stop) 
   std::unique_lock lock(mutex_);
   std::optional<SensorMeasurement> measurement;
   given_.wait(lock, stop, [&] {
-    measurement = assembler_.take();
+    if (waiting_) waiting_();
+    measurement = take();
     return measurement || error_;
   });
   if (stop.stop_requested()) return std::nullopt;
   if (!measurement) std::rethrow_exception(error_);
   return measurement;
+}
+
+std::optional<SensorMeasurement> LiveSensors::take() {
+  if (given_pose_) return *std::exchange(given_pose_, std::nullopt);
+  return assembler_.take();
 }
 
 std::map<std::string, std::uint64_t> LiveSensors::close() {
@@ -91,6 +118,7 @@ void LiveSensors::listen(const std::stop_token& stop) {
 
 void LiveSensors::add(const Ros2Sample& sample) {
   if (sample.topic == kImu) return add_imu(sample);
+  if (sample.topic == kInitialPose) return add_given_pose(sample);
   add_image(sample.topic == kLeft ? Side::kLeft : Side::kRight, sample);
 }
 
@@ -117,6 +145,22 @@ void LiveSensors::add_imu(const Ros2Sample& sample) {
   assembler_.add_imu(message->sample, sample.arrival);
 }
 
+void LiveSensors::add_given_pose(const Ros2Sample& sample) {
+  const std::string& topic = config_.initial_pose.name;
+  const auto message = decode_pose(sample.payload);
+  const std::lock_guard lock(mutex_);
+  if (!message) return refuse(topic, "initial_pose_", message.error(), sample.arrival);
+  const auto given = given_pose(*message, config_.frames);
+  if (!given) {
+    ++refused_["initial_pose_in_another_frame"];
+    if (!complaints_.is_new(topic, sample.arrival)) return;
+    sentences_.push_back(topic + ": only poses in '" + config_.frames.map + "' are used");
+    return;
+  }
+  given_pose_ = given;
+  sentences_.push_back(topic + ": the robot is at " + place_text(message->T_a_b));
+}
+
 void LiveSensors::refuse(const std::string& topic,
                          const std::string& kind,
                          Ros2Refusal reason,
@@ -125,7 +169,7 @@ void LiveSensors::refuse(const std::string& topic,
   ++refused_[kind + reason_name];
   assembler_.poll(arrival);
   if (!complaints_.is_new(topic + reason_name, arrival)) return;
-  refusals_.push_back(topic + ": messages are not used: " + reason_name);
+  sentences_.push_back(topic + ": messages are not used: " + reason_name);
 }
 
 // Only while nothing waits: messages tell the time by their arrival, and what the clock says now
@@ -144,12 +188,12 @@ void LiveSensors::check_buffers(ArrivalTime now) {
   if (loss.datagrams <= lost_datagrams_) return;
   lost_datagrams_ = loss.datagrams;
   if (!complaints_.is_new("receive buffers", now)) return;
-  refusals_.push_back(buffer_advice(loss, rmem_max_bytes()));
+  sentences_.push_back(buffer_advice(loss, rmem_max_bytes()));
 }
 
 std::vector<std::string> LiveSensors::take_events() {
   const std::lock_guard lock(mutex_);
-  std::vector<std::string> events = std::exchange(refusals_, {});
+  std::vector<std::string> events = std::exchange(sentences_, {});
   for (std::string& event : assembler_.take_events()) events.push_back(std::move(event));
   return events;
 }

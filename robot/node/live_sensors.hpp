@@ -31,17 +31,20 @@ class LiveSensors final : public SensorSource {
 
   /// Throws TransportError.
   /// @param participant  outlives this
+  /// @param waiting  called by next() again and again while it waits
   LiveSensors(const SensorsConfig& config,
               const SensorRig& rig,
               Ros2Participant& participant,
-              Say say);
+              Say say,
+              std::function<void()> waiting = {});
 
   std::optional<SensorMeasurement> next(const std::stop_token& stop) override;
   [[nodiscard]] std::optional<std::size_t> frame_count() const override { return std::nullopt; }
   /// Stops the thread; returns faults().
   std::map<std::string, std::uint64_t> close() override;
 
-  /// Those of the SensorAssembler; "images_" and "imu_" by Ros2Refusal; "dropped_images" and
+  /// Those of the SensorAssembler; "images_", "imu_" and "initial_pose_" by Ros2Refusal;
+  /// "initial_pose_in_another_frame"; "dropped_images" and
   /// "dropped_imu_backlog": not decoded in time; "datagrams_without_room": dropped by the kernel.
   /// Any thread.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
@@ -56,6 +59,8 @@ class LiveSensors final : public SensorSource {
   void add(const Ros2Sample& sample);
   void add_image(Side side, const Ros2Sample& sample);
   void add_imu(const Ros2Sample& sample);
+  void add_given_pose(const Ros2Sample& sample);
+  [[nodiscard]] std::optional<SensorMeasurement> take();
   void refuse(const std::string& topic,
               const std::string& kind,
               Ros2Refusal reason,
@@ -64,14 +69,16 @@ class LiveSensors final : public SensorSource {
 
   SensorsConfig config_;
   Say say_;
+  std::function<void()> waiting_;
   Ros2Reader topics_;
 
   mutable std::mutex mutex_;
   std::condition_variable_any given_;
-  SensorAssembler assembler_;                     // guarded by mutex_, as are the next five
+  SensorAssembler assembler_;                     // guarded by mutex_, as are the next six
   std::map<std::string, std::uint64_t> refused_;  // by kind and reason
   Complaints complaints_;
-  std::vector<std::string> refusals_;  // to be said
+  std::vector<std::string> sentences_;   // to be said
+  std::optional<GivenPose> given_pose_;  // the newest, not taken yet
   std::exception_ptr error_;
   std::uint64_t lost_datagrams_ = 0;
   ArrivalTime next_check_;  // of the buffers; used by the thread only

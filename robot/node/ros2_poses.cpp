@@ -37,6 +37,15 @@ PoseMessage map_pose_message(const PoseEstimate& pose, const RosFrames& frames) 
                    frames.T_base_imu);
 }
 
+std::optional<GivenPose> given_pose(const PoseMessage& message, const RosFrames& frames) {
+  if (message.header.frame != frames.map) return std::nullopt;
+  const Pose& T_base_body = frames.T_base_imu;
+  const Matrix6d A = adjoint(inverse(T_base_body));
+  return GivenPose{.stamp = message.header.stamp,
+                   .T_map_body = message.T_a_b * T_base_body,
+                   .covariance = A * message.covariance * A.transpose()};
+}
+
 TransformMessage odom_base_transform(const PoseEstimate& pose, const RosFrames& frames) {
   return {.header = {.stamp = pose.stamp, .frame = frames.odom},
           .child_frame = frames.base,

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "robot/live/sensors_config.hpp"
+#include "robot/sensors/given_pose.hpp"
 #include "shared/model/pose_estimate.hpp"
 #include "shared/ros2/pose_codec.hpp"
 
@@ -16,6 +19,9 @@ OdometryMessage odometry_message(const PoseEstimate& pose, const RosFrames& fram
 /// Pose in `map`.
 /// @param pose  with T_map_body
 PoseMessage map_pose_message(const PoseEstimate& pose, const RosFrames& frames);
+
+/// Where somebody says that the robot is. Nothing if the pose is not in the frame `map`.
+std::optional<GivenPose> given_pose(const PoseMessage& message, const RosFrames& frames);
 
 /// odom -> base.
 TransformMessage odom_base_transform(const PoseEstimate& pose, const RosFrames& frames);

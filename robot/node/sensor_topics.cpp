@@ -26,4 +26,9 @@ Ros2Topic camera_info_topic(const RosTopic& topic) {
   return {.name = dds_name(topic), .type = ros2_type::kCameraInfo, .qos = ros2_qos(topic.qos)};
 }
 
+Ros2Topic initial_pose_topic(const RosTopic& topic) {
+  return {
+      .name = dds_name(topic), .type = ros2_type::kPoseWithCovariance, .qos = ros2_qos(topic.qos)};
+}
+
 }  // namespace fleetloc

@@ -9,5 +9,6 @@ namespace fleetloc {
 Ros2Topic image_topic(const ImageTopic& topic);
 Ros2Topic imu_topic(const RosTopic& topic);
 Ros2Topic camera_info_topic(const RosTopic& topic);
+Ros2Topic initial_pose_topic(const RosTopic& topic);
 
 }  // namespace fleetloc

@@ -166,6 +166,23 @@ TEST_F(LiveSensorsTest, CountAndSayWhatCannotBeUsedAndGoOn) {
   EXPECT_EQ(stamp_of(*measurement), Timestamp(kSecond + 5ms));
 }
 
+TEST_F(LiveSensorsTest, GiveThePoseThatSomebodyTells) {
+  Ros2Participant rviz(network_.domain());
+  Ros2Writer writer = rviz.create_writer(initial_pose_topic(config_.initial_pose));
+  start();
+  ASSERT_TRUE(comes_true([&] { return writer.matched_readers() == 1; }));
+  writer.write(Bytes{0, 1, 0, 0, 9, 9, 9});
+  writer.write(encode(PoseMessage{.header = {.stamp = {}, .frame = "odom"}}));
+  writer.write(encode(PoseMessage{.header = {.stamp = Timestamp(kSecond), .frame = "map"},
+                                  .T_a_b = {.p = {1.0, 2.0, 0.0}}}));
+  const auto measurement = live_->next({});
+  ASSERT_TRUE(measurement);
+  EXPECT_EQ(std::get<GivenPose>(*measurement).T_map_body.p, Eigen::Vector3d(1.0, 2.0, 0.0));
+  EXPECT_EQ(fault("initial_pose_undecodable"), 1U);
+  EXPECT_EQ(fault("initial_pose_in_another_frame"), 1U);
+  EXPECT_TRUE(comes_true([&] { return log_.has("/initialpose: the robot is at (1.00, 2.00"); }));
+}
+
 TEST_F(LiveSensorsTest, SayWhichTopicIsSilentWhileNobodyTakesAnything) {
   config_.assembler.silence = 50ms;
   start();

@@ -38,6 +38,7 @@ calibration:
       gyroscope_random_walk: 1e-5
       accelerometer_noise_density: 1e-2
       accelerometer_random_walk: 1e-4
+input: {initial_pose_topic: /r1/initialpose}
 frames: {odom: r1/odom, T_base_imu: [0.1, 0, 0, 0, 0, 0, 1]}
 output:
   odometry: {rate_hz: 200}
@@ -72,6 +73,7 @@ TEST(SensorsConfig, NeedsTopicsAndACalibrationOnly) {
   EXPECT_EQ(files.camchain, test_folder() / "chain.yaml");
   EXPECT_EQ(files.imu, "/etc/imu.yaml");
   EXPECT_EQ(config.frames.base, "base_link");
+  EXPECT_EQ(dds_name(config.initial_pose), "rt/initialpose");
   EXPECT_EQ(config.assembler.silence, Duration(500ms));
   EXPECT_FALSE(config.qos);
 }
@@ -85,6 +87,7 @@ TEST(SensorsConfig, ReadsEverythingElse) {
   EXPECT_EQ(infos.T_imu_cam0.R.z(), 1.0);
   EXPECT_EQ(infos.imu_noise.accelerometer_noise_density, 1e-2);
   EXPECT_EQ(config.frames.odom, "r1/odom");
+  EXPECT_EQ(dds_name(config.initial_pose), "rt/r1/initialpose");
   EXPECT_EQ(config.frames.T_base_imu.p.x(), 0.1);
   EXPECT_EQ(config.output.odometry_rate_hz, 200.0);
   EXPECT_EQ(config.output.map_odom_tf_rate_hz, 0.0);
@@ -124,11 +127,12 @@ TEST(SensorsConfig, IsRefusedWithFileLineAndReason) {
          "11: calibration.camera_info.T_imu_cam0: th");
   expect(replaced(kInfo, "[1, 2", "[.nan, 2"), "11: calibration.camera_info.T_imu_cam0: not all");
   expect(replaced(kInfo, "1e-5", "0"), "14: calibration.camera_info.imu_noise.gyroscope_random");
-  expect(replaced(kInfo, "r1/odom", "map"), "17: frames.odom: two frames have one name");
-  expect(replaced(kInfo, "r1/odom", "/odom"), "17: frames.odom: '/odom' is not a frame id");
-  expect(replaced(kInfo, "200", "-1"), "19: output.odometry.rate_hz: must be in 0..1000");
-  expect(replaced(kInfo, "false", "perhaps"), "21: output.diagnostics: ");
-  expect(replaced(kInfo, "0.002", "0"), "22: tolerances.pairing_s: must be in");
+  expect(replaced(kInfo, "r1/odom", "map"), "18: frames.odom: two frames have one name");
+  expect(replaced(kInfo, "r1/odom", "/odom"), "18: frames.odom: '/odom' is not a frame id");
+  expect(replaced(kInfo, "/r1/initialpose", "initialpose"), "17: input.initial_pose_topic: ");
+  expect(replaced(kInfo, "200", "-1"), "20: output.odometry.rate_hz: must be in 0..1000");
+  expect(replaced(kInfo, "false", "perhaps"), "22: output.diagnostics: ");
+  expect(replaced(kInfo, "0.002", "0"), "23: tolerances.pairing_s: must be in");
 }
 
 TEST(SensorsConfig, OfTheExamplesIsValid) {

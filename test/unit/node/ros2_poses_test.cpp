@@ -45,6 +45,20 @@ TEST(Ros2Poses, AreOfTheBaseFrame) {
   EXPECT_EQ(in_map.header.frame, "map");
 }
 
+TEST(Ros2Poses, ThatAreGivenAreThoseThatArePublished) {
+  const auto given = given_pose(map_pose_message(pose(), frames()), frames());
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->stamp, pose().stamp);
+  expect_same(given->T_map_body, *pose().T_map_body);
+  EXPECT_LT((given->covariance - pose().covariance_map).norm(), kTolerance);
+}
+
+TEST(Ros2Poses, AreNotGivenInAnotherFrame) {
+  PoseMessage message = map_pose_message(pose(), frames());
+  message.header.frame = "odom";
+  EXPECT_FALSE(given_pose(message, frames()));
+}
+
 TEST(Ros2Poses, AreTiedTogetherByTheirTransforms) {
   const TransformMessage odom_base = odom_base_transform(pose(), frames());
   const TransformMessage map_odom = map_odom_transform(pose(), frames());
