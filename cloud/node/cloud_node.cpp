@@ -9,6 +9,7 @@
 
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
+#include "shared/core/boot_time.hpp"
 
 namespace fleetloc {
 namespace {
@@ -50,12 +51,25 @@ std::filesystem::path created(const std::filesystem::path& folder) {
 
 }  // namespace
 
-CloudNode::CloudNode(const CloudNodeOptions& options, const LocalizerPool::Config& config)
+CloudNode::CloudNode(const CloudNodeOptions& options,
+                     const CloudNodeConfig& config,
+                     ReloadRequest& reload)
     : options_(options),
+      reload_(reload),
       map_(std::make_shared<const LaserMap>(load_map(options.map))),
       channel_(channel_config(options)),
-      pool_(options.name, incarnation_of_this_start(), map_, config) {
-  options_.out = created(options.out);
+      pool_(options.name, incarnation_of_this_start(), map_, config.pool) {
+  if (!options.out.empty()) {
+    log_.emplace(created(options.out) / "status.csv", steady_now());
+  }
+  if (options.publish_map_voxel_m) {
+    map_publisher_.emplace(*map_, *options.publish_map_voxel_m, config.map_publisher);
+    spdlog::info("{}: {} points of the map on {}, DDS domain {}",
+                 options.name,
+                 map_publisher_->points(),
+                 config.map_publisher.topic,
+                 config.map_publisher.domain);
+  }
 }
 
 void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) {
@@ -65,18 +79,19 @@ void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) 
                map_->size(),
                options_.domain,
                options_.workers);
+  const std::stop_callback stopping(stop, [this] { service_.stopping(); });
+  service_.ready();
   {
     WorkerPool workers(options_.workers);
     WorkerLoad load(options_.workers, steady_now());
-    StatusLog log(options_.out / "status.csv", steady_now());
-    while (!is_over(stop, urgent)) serve(workers, load, log);
+    while (!is_over(stop, urgent)) serve(workers, load);
     workers.finish();
     finish_jobs(workers, load);
   }
   for (const auto& [reason, count] : pool_.unattributed()) {
     spdlog::warn("{}: {} messages of robots that are not served: {}", options_.name, count, reason);
   }
-  write_sessions(options_.out / "sessions.json", pool_.reports());
+  if (log_) write_sessions(options_.out / "sessions.json", pool_.reports());
   spdlog::info("{}: stopped, {} robots served", options_.name, pool_.reports().size());
 }
 
@@ -97,7 +112,7 @@ bool CloudNode::is_over(const std::stop_token& stop, const std::stop_token& urge
   });
 }
 
-void CloudNode::serve(WorkerPool& workers, WorkerLoad& load, StatusLog& log) {
+void CloudNode::serve(WorkerPool& workers, WorkerLoad& load) {
   channel_.wait_for_message(kPatience);
   for (const Message& message : channel_.receive({})) pool_.receive(message, steady_now());
   for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
@@ -108,7 +123,18 @@ void CloudNode::serve(WorkerPool& workers, WorkerLoad& load, StatusLog& log) {
   for (auto& outgoing : pool_.outgoing(now, share)) {
     channel_.send(outgoing.partition, std::move(outgoing.message), now);
   }
-  log.add(pool_, share, now);
+  report(share, now);
+}
+
+void CloudNode::report(double load, Timestamp now) {
+  const ArrivalTime uptime = boot_time();
+  service_.alive(uptime);
+  service_.status(std::to_string(pool_.sessions()) + " robots", uptime);
+  if (log_) log_->add(pool_, load, now);
+  if (reload_.take()) {
+    if (log_) log_->begin_anew();
+    spdlog::info("{}: SIGHUP: {}", options_.name, log_ ? "status.csv anew" : "nothing to reload");
+  }
   for (const std::string& event : channel_.take_events()) {
     spdlog::info("{}: {}", options_.name, event);
   }

@@ -10,6 +10,15 @@
 #include "shared/config/program.hpp"
 #include "shared/core/ids.hpp"
 
+namespace {
+
+fleetloc::CloudNodeConfig read_config(fleetloc::ConfigReader config) {
+  return {.pool = fleetloc::read_localizer_pool_config(config),
+          .map_publisher = fleetloc::read_map_publisher_config(config.section("ros2"))};
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   return fleetloc::guarded([&] {
     using namespace fleetloc;
@@ -22,13 +31,19 @@ int main(int argc, char** argv) {
     app.add_option("--map", options.map, "laser map, made by fleetloc-map")->required();
     app.add_option("--name", options.name, "1 to 32 of A-Z a-z 0-9 _ -")->required();
     app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
-    app.add_option("--out", options.out, "folder for sessions.json, is created")->required();
+    app.add_option(
+        "--out", options.out, "folder for status.csv and sessions.json, is created; else neither");
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
     options.workers = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
     app.add_option("--workers", options.workers, "localizations at a time, one for each core")
         ->capture_default_str()
         ->check(CLI::Range(1, 256));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
+    app.add_option(
+           "--publish-map",
+           options.publish_map_voxel_m,
+           "shows the map to ROS 2 on this computer, a point for each voxel of this edge [m]")
+        ->check(CLI::PositiveNumber);
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>();  // before any thread
       if (!is_valid_id(options.name)) {
@@ -36,8 +51,8 @@ int main(int argc, char** argv) {
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");
       }
       if (!link.empty()) options.link = read_link_file(link);
-      auto node =
-          std::make_shared<CloudNode>(options, read_localizer_pool_config(program.config()));
+      auto node = std::make_shared<CloudNode>(
+          options, read_config(program.config()), termination->reload());
       return [node, termination] {
         node->run(termination->token(), termination->urgent_token());
         return static_cast<int>(kSuccess);

@@ -13,9 +13,21 @@ const char* state_of(const LocalizerStatus& status) {
 }  // namespace
 
 StatusLog::StatusLog(const std::filesystem::path& file, Timestamp start)
-    : stream_(file), start_(start) {
+    : file_(file), start_(start) {
+  open();
+}
+
+void StatusLog::open() {
+  stream_ = std::ofstream(file_);
   stream_ << "time_s,sessions,load,submaps,localized,state\n" << std::flush;
-  if (!stream_) throw std::runtime_error(file.string() + ": cannot be written");
+  if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written");
+}
+
+void StatusLog::begin_anew() {
+  std::filesystem::path before = file_;
+  before += ".1";
+  std::filesystem::rename(file_, before);
+  open();
 }
 
 void StatusLog::add(const LocalizerPool& pool, double load, Timestamp now) {
@@ -31,6 +43,8 @@ void StatusLog::add(const LocalizerPool& pool, double load, Timestamp now) {
   stream_ << to_seconds(now - start_) << ',' << pool.sessions() << ',' << load << ',' << submaps
           << ',' << localized << ',' << state_of(pool.status()) << '\n'
           << std::flush;
+  constexpr std::streamoff kMaxBytes = 20'000'000;
+  if (stream_.tellp() > kMaxBytes) begin_anew();
 }
 
 }  // namespace fleetloc

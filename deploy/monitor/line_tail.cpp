@@ -20,8 +20,11 @@ std::vector<std::string> split(const std::string& line) {
 
 std::vector<std::string> LineTail::new_lines() {
   std::vector<std::string> lines;
-  if (!stream_.is_open()) stream_.open(file_);
   stream_.clear();  // the end of the file that the last call met
+  if (!stream_.is_open() || is_begun_anew()) {
+    stream_ = std::ifstream(file_);
+    begun_.clear();
+  }
   for (std::string part; std::getline(stream_, part);) {
     begun_ += part;
     if (stream_.eof()) break;  // met before the end of the line
@@ -30,8 +33,15 @@ std::vector<std::string> LineTail::new_lines() {
   return lines;
 }
 
+bool LineTail::is_begun_anew() {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file_, error);
+  return !error && size < static_cast<std::uintmax_t>(stream_.tellg());
+}
+
 bool CsvTail::set_line(const std::string& line) {
   fields_ = split(line);
+  if (fields_ == header_) return false;  // of the file that was begun anew
   if (!header_.empty()) return fields_.size() == header_.size();
   header_ = std::exchange(fields_, {});
   return false;

@@ -7,7 +7,7 @@
 
 namespace fleetloc {
 
-/// Reads a text file while another program writes it.
+/// Reads a text file while another program writes it, or begins it anew.
 class LineTail {
  public:
   explicit LineTail(std::filesystem::path file) : file_(std::move(file)) {}
@@ -16,6 +16,8 @@ class LineTail {
   std::vector<std::string> new_lines();
 
  private:
+  [[nodiscard]] bool is_begun_anew();
+
   std::filesystem::path file_;
   std::ifstream stream_;
   std::string begun_;  // a line without an end so far

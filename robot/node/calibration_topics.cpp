@@ -62,7 +62,8 @@ std::optional<CameraInfo> whole_image_info(const CameraInfoMessage& message) {
 std::optional<SensorRig> calibration_from_topics(const SensorsConfig& config,
                                                  Ros2Participant& participant,
                                                  const Say& say,
-                                                 const std::stop_token& stop) {
+                                                 const std::stop_token& stop,
+                                                 const std::function<void()>& waiting) {
   const auto& source = std::get<CameraInfoSource>(config.calibration);
   Ros2Reader reader(participant,
                     {{camera_info_topic(source.left), 1}, {camera_info_topic(source.right), 1}});
@@ -70,6 +71,7 @@ std::optional<SensorRig> calibration_from_topics(const SensorsConfig& config,
                     InfoTopic(source.right, config.assembler.silence)};
   Complaints complaints;
   while (!stop.stop_requested()) {
+    if (waiting) waiting();
     const auto sample = reader.take(stop, kPollInterval);
     if (sample) topics.at(sample->topic).add(*sample, say);
     for (InfoTopic& topic : topics) topic.check(boot_time(), say);

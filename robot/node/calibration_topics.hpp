@@ -15,10 +15,12 @@ namespace fleetloc {
 /// Waits until CameraInfo of both cameras has come and can be used. Says what does not come within
 /// `silence` of the config, and what is wrong with what comes. Nothing when a stop is requested.
 /// @param config  its calibration is a CameraInfoSource
+/// @param waiting  called again and again meanwhile
 std::optional<SensorRig> calibration_from_topics(const SensorsConfig& config,
                                                  Ros2Participant& participant,
                                                  const std::function<void(const std::string&)>& say,
-                                                 const std::stop_token& stop);
+                                                 const std::stop_token& stop,
+                                                 const std::function<void()>& waiting = {});
 
 /// A CameraInfo as ROS 2 sends it, without its header.
 /// @return nothing for an image that is binned or cut out: its K is not that of the whole image

@@ -8,6 +8,7 @@
 #include "robot/node/robot_node.hpp"
 #include "shared/concurrency/termination.hpp"
 #include "shared/config/program.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/geometry/pose_text.hpp"
 
 namespace {
@@ -16,9 +17,13 @@ using namespace fleetloc;
 
 RobotNodeConfig read_config(const ConfigReader& config) {
   ConfigReader reader = config;
+  ConfigReader last_pose = reader.section("start").section("last_pose");
   return {.pipeline = read_robot_pipeline_config(config),
           .worker = read_keyframe_worker_config(config),
-          .client = read_cloud_client_config(reader.section("client"))};
+          .client = read_cloud_client_config(reader.section("client")),
+          .last_pose = {.position_sigma_m = last_pose.positive("position_sigma_m"),
+                        .yaw_sigma_rad = last_pose.positive("yaw_sigma_deg") * kRadPerDeg},
+          .recording = read_run_parts(reader.section("recording"))};
 }
 
 }  // namespace
@@ -33,6 +38,7 @@ int main(int argc, char** argv) {
                     kDefaultConfig);
     RobotNodeOptions options;
     std::string initial_pose;
+    std::string initial_sigma;
     std::string link;
     double duration = 0.0;
     std::string encoding;
@@ -45,7 +51,7 @@ int main(int argc, char** argv) {
     app.add_flag("--tracks", options.tracks, "play the dataset's feature tracks, not its images")
         ->excludes(sensors);
     app.add_option("--qos", options.qos, "QoS profiles, e.g. qos_profiles/lan.xml")->required();
-    app.add_option("--out", options.out, "run folder, is created")->required();
+    app.add_option("--out", options.out, "run folder, is created; without it nothing is written");
     app.add_option("--domain", options.domain, "DDS domain of the fleet, 0 to 100");
     app.add_option("--rate", options.rate, "speed of the recording; 0: as fast as possible")
         ->check(CLI::NonNegativeNumber)
@@ -60,6 +66,11 @@ int main(int argc, char** argv) {
         app.add_option("--initial-pose",
                        initial_pose,
                        "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+    app.add_option("--initial-sigma", initial_sigma, "\"m deg\" of that pose, one sigma");
+    app.add_option("--last-pose",
+                   options.last_pose,
+                   "file that keeps the pose, from which the next start begins without "
+                   "--initial-pose");
     app.add_option("--encoding", encoding, "of the submaps; compact if nothing is said")
         ->check(CLI::IsMember({"compact", "full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
@@ -80,8 +91,9 @@ int main(int argc, char** argv) {
         config.overlay(ConfigReader::from_string("client: {uplink: {encoding: " + encoding + "}}",
                                                  "--encoding"));
       }
+      if (!initial_sigma.empty()) config.overlay(start_sigma_config(initial_sigma));
       options.config = program.command_line() + config.text();
-      auto node = std::make_shared<RobotNode>(options, read_config(config));
+      auto node = std::make_shared<RobotNode>(options, read_config(config), termination->reload());
       return [node, termination] {
         node->run(termination->token());
         return static_cast<int>(kSuccess);

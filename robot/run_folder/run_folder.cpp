@@ -9,10 +9,19 @@
 #include <nlohmann/json.hpp>
 
 #include "robot/run_folder/run_summary.hpp"
+#include "shared/config/config_reader.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
 namespace {
+
+constexpr const char* kOdometry = "odometry.tum";
+constexpr const char* kLocalization = "localization.tum";
+constexpr const char* kLocalizationFrames = "localization_frames.tum";
+constexpr const char* kDiagnostics = "diagnostics.csv";
+constexpr const char* kAnswers = "answers.csv";
+constexpr std::array kFiles{
+    kOdometry, kLocalization, kLocalizationFrames, kDiagnostics, kAnswers};  // of a part
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCoveredForSeconds =
@@ -63,19 +72,64 @@ std::string diagnostics_line(const FrameRecord& frame) {
 
 }  // namespace
 
-RunFolder::RunFolder(const std::filesystem::path& folder) : folder_(folder) {
+RunParts read_run_parts(ConfigReader section) {
+  constexpr double kMaxMb = 1e9;
+  constexpr double kMaxHours = 1e5;
+  constexpr int kMaxParts = 100'000;
+  return {.max_bytes = static_cast<std::uint64_t>(1e6 * section.number("part_mb", 0.0, kMaxMb)),
+          .max_time = from_seconds(3600.0 * section.number("part_h", 0.0, kMaxHours)),
+          .kept = static_cast<std::size_t>(section.integer("parts_kept", 0, kMaxParts))};
+}
+
+RunFolder::RunFolder(const std::filesystem::path& folder, const RunParts& parts)
+    : folder_(folder), parts_(parts) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder.string() + ": " + error.message());
-  odometry_ = opened(folder / "odometry.tum");
-  localization_ = opened(folder / "localization.tum");
-  localization_frames_ = opened(folder / "localization_frames.tum");
-  diagnostics_ = opened(folder / "diagnostics.csv");
-  answers_ = opened(folder / "answers.csv");
+  open();
+}
+
+void RunFolder::open() {
+  odometry_ = opened(folder_ / kOdometry);
+  localization_ = opened(folder_ / kLocalization);
+  localization_frames_ = opened(folder_ / kLocalizationFrames);
+  diagnostics_ = opened(folder_ / kDiagnostics);
+  answers_ = opened(folder_ / kAnswers);
   diagnostics_ << "stamp_s,state,since_last_answer_s" << triangle_header("cm")
                << triangle_header("co")
                << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets\n";
   answers_ << "stamp_s,arrival_s,localizer,status,reason,applied\n";
+}
+
+void RunFolder::begin_part() {
+  flush();
+  const auto part = part_folder(++parts_before_);
+  std::filesystem::create_directories(part);
+  for (const char* file : kFiles) std::filesystem::rename(folder_ / file, part / file);
+  if (parts_before_ > parts_.kept) {
+    std::filesystem::remove_all(part_folder(parts_before_ - parts_.kept));
+  }
+  first_frame_of_part_.reset();
+  open();
+}
+
+std::filesystem::path RunFolder::part_folder(std::size_t number) const {
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "part_%06zu", number);
+  return folder_ / name.data();
+}
+
+bool RunFolder::is_part_complete() {
+  const bool is_long =
+      parts_.max_time > Duration{} && last_frame_ - *first_frame_of_part_ >= parts_.max_time;
+  if (is_long || parts_.max_bytes == 0) return is_long;
+  std::uint64_t bytes = 0;
+  for (std::ofstream* stream : streams()) bytes += static_cast<std::uint64_t>(stream->tellp());
+  return bytes >= parts_.max_bytes;
+}
+
+std::array<std::ofstream*, 5> RunFolder::streams() {
+  return {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_};
 }
 
 void RunFolder::write_config(const std::string& yaml) const {
@@ -93,12 +147,14 @@ void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
 void RunFolder::add_frame(const FrameRecord& frame) {
   record_frame(frame);
   flush();
+  if (is_part_complete()) begin_part();
 }
 
 void RunFolder::record_frame(const FrameRecord& frame) {
   const PoseEstimate& pose = frame.pose;
   ++counted_.frames;
   if (!first_frame_) first_frame_ = pose.stamp;
+  if (!first_frame_of_part_) first_frame_of_part_ = pose.stamp;
   last_frame_ = pose.stamp;
   diagnostics_ << diagnostics_line(frame);
   if (pose.quality == Quality::kInitializing) return;
@@ -112,10 +168,7 @@ void RunFolder::record_frame(const FrameRecord& frame) {
 
 // Whole lines, for the monitor and for runs that are killed.
 void RunFolder::flush() {
-  for (std::ofstream* stream :
-       {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {
-    stream->flush();
-  }
+  for (std::ofstream* stream : streams()) stream->flush();
 }
 
 void RunFolder::count_coverage(const PoseEstimate& pose) {
@@ -159,8 +212,7 @@ void RunFolder::finish(RunSummary summary) {
     times.coverage =
         static_cast<double>(covered_frames_) / static_cast<double>(frames_since_first_pose_);
   }
-  for (std::ofstream* stream :
-       {&odometry_, &localization_, &localization_frames_, &diagnostics_, &answers_}) {
+  for (std::ofstream* stream : streams()) {
     stream->flush();
     if (!*stream) throw std::runtime_error(folder_.string() + ": could not be written completely");
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +15,8 @@
 #include "shared/model/pose_estimate.hpp"
 
 namespace fleetloc {
+
+class ConfigReader;
 
 /// One line of diagnostics.csv, and of the two trajectories at frame times.
 struct FrameRecord {
@@ -63,11 +66,24 @@ struct RunSummary {
   std::uint64_t max_rss_bytes = 0;
 };
 
-/// The folder that a robot or a replay writes. All poses are causal: as known at that time.
+/// When the files of a folder go on in a new part.
+struct RunParts {
+  std::uint64_t max_bytes = 0;  ///< of all files of a part; 0: no limit
+  Duration max_time{};          ///< of its frames; zero: no limit
+  std::size_t kept = 1;         ///< earlier parts that stay; the oldest are deleted
+};
+
+RunParts read_run_parts(ConfigReader section);
+
+/// The folder that a robot or a replay writes. All poses are causal: as known at that time. What
+/// was written before the latest part is in the folder's part_000001, part_000002 and so on.
 class RunFolder {
  public:
   /// Creates the folder and its files; throws std::runtime_error that names what cannot be made.
-  explicit RunFolder(const std::filesystem::path& folder);
+  explicit RunFolder(const std::filesystem::path& folder, const RunParts& parts = {});
+
+  /// What follows is a new part.
+  void begin_part();
 
   /// Writes config.yaml.
   /// @param yaml  the configuration in force
@@ -76,16 +92,23 @@ class RunFolder {
   void add_frame(const FrameRecord& frame);
   void add_answer(const AnswerRecord& answer);
 
-  /// Writes summary.json: the given figures, and those that follow from the records (frames,
-  /// answers, duration, first pose, answer and localization, coverage).
+  /// Writes summary.json, of all parts: the given figures, and those that follow from the records
+  /// (frames, answers, duration, first pose, answer and localization, coverage).
   void finish(RunSummary summary);
 
  private:
   void record_frame(const FrameRecord& frame);
   void count_coverage(const PoseEstimate& pose);
+  void open();
   void flush();
+  [[nodiscard]] bool is_part_complete();
+  [[nodiscard]] std::filesystem::path part_folder(std::size_t number) const;
+  [[nodiscard]] std::array<std::ofstream*, 5> streams();
 
   std::filesystem::path folder_;
+  RunParts parts_;
+  std::size_t parts_before_ = 0;
+  std::optional<Timestamp> first_frame_of_part_;
   std::ofstream odometry_;
   std::ofstream localization_;
   std::ofstream localization_frames_;

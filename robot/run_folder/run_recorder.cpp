@@ -1,5 +1,9 @@
 #include "robot/run_folder/run_recorder.hpp"
 
+#include <exception>
+#include <utility>
+
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 namespace fleetloc {
@@ -12,6 +16,21 @@ double seconds(const timeval& time) {
 }  // namespace
 
 void RunRecorder::add(const RobotOutput& output) {
+  try {
+    if (unwritten_ == 0) return write(output);
+  } catch (const std::exception& error) {
+    spdlog::error("the recording ends here: {}", error.what());
+  }
+  ++unwritten_;
+}
+
+std::map<std::string, std::uint64_t> RunRecorder::faults() const {
+  if (unwritten_ == 0) return {};
+  return {{"unwritten_outputs", unwritten_}};
+}
+
+void RunRecorder::write(const RobotOutput& output) {
+  if (std::exchange(is_new_part_, false)) folder_.begin_part();
   if (output.pose) folder_.add_imu_rate_pose(*output.pose);
   for (const FrameOutput& frame : output.frames) {
     tracking_ms_.add(1e3 * to_seconds(frame.tracking_cpu));

@@ -4,7 +4,7 @@
 # #include by the test `layers`.
 set(FLEETLOC_LAYERS
     "shared/core idl idl/ros2"
-    "shared/geometry shared/concurrency shared/config shared/coding shared/cdr"
+    "shared/geometry shared/concurrency shared/config shared/coding shared/cdr shared/service"
     "shared/model shared/link shared/transport/workarounds"
     "shared/factors shared/wire shared/ros2 shared/transport shared/trajectory shared/dataset"
     "shared/compact shared/transport/ros2"
@@ -27,7 +27,7 @@ string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
 set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds|/ros2)?"
-    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "tl/=shared/core")
+    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "systemd/=shared/service" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)
   set(index 0)

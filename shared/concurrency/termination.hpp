@@ -6,16 +6,18 @@
 
 #include <pthread.h>
 
+#include "shared/concurrency/reload_request.hpp"
+
 namespace fleetloc {
 
-/// Turns SIGINT and SIGTERM into a stop request, and a second one into an urgent one. Create it
-/// before any other thread, which then inherits the blocked signals. SIGUSR1 is blocked as well,
-/// and only wakes the thread.
+/// Turns SIGINT and SIGTERM into a stop request, a second one into an urgent one, and SIGHUP into a
+/// reload request. Create it before any other thread, which then inherits the blocked signals.
+/// SIGUSR1 is blocked as well, and only wakes the thread.
 class Termination {
  public:
   Termination() {
     sigemptyset(&signals_);
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&signals_, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     thread_ = std::jthread([this](const std::stop_token& done) { watch(done); });
   }
@@ -29,6 +31,7 @@ class Termination {
   [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
   /// Requested by the second signal: do not wait for anybody.
   [[nodiscard]] std::stop_token urgent_token() const { return urgent_.get_token(); }
+  [[nodiscard]] ReloadRequest& reload() { return reload_; }
 
  private:
   void watch(const std::stop_token& done) {
@@ -36,6 +39,10 @@ class Termination {
       int signal = 0;
       sigwait(&signals_, &signal);
       if (signal == SIGUSR1) continue;
+      if (signal == SIGHUP) {
+        reload_.set();
+        continue;
+      }
       if (!source_.request_stop()) urgent_.request_stop();
     }
   }
@@ -43,6 +50,7 @@ class Termination {
   sigset_t signals_{};
   std::stop_source source_;
   std::stop_source urgent_;
+  ReloadRequest reload_;
   std::jthread thread_;  // last: uses the others
 };
 

@@ -28,6 +28,13 @@ class LiveFixture : public DdsFixture {
 
   /// The command line of a robot with a start pose at the flight's first image.
   [[nodiscard]] Arguments live_robot(const std::string& id) const {
+    Arguments arguments = live_robot_anywhere(id);
+    arguments.insert(arguments.end(), {"--initial-pose", flight_.displaced_start_pose()});
+    return arguments;
+  }
+
+  /// The same without a start pose.
+  [[nodiscard]] Arguments live_robot_anywhere(const std::string& id) const {
     return {"--robot-id",
             id,
             "--sensors",
@@ -36,8 +43,6 @@ class LiveFixture : public DdsFixture {
             qos_,
             "--domain",
             network_.domain(),
-            "--initial-pose",
-            flight_.displaced_start_pose(),
             "--out",
             folder_of(id).string()};
   }

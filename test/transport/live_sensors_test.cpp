@@ -172,7 +172,7 @@ TEST_F(LiveSensorsTest, GiveThePoseThatSomebodyTells) {
   start();
   ASSERT_TRUE(comes_true([&] { return writer.matched_readers() == 1; }));
   writer.write(Bytes{0, 1, 0, 0, 9, 9, 9});
-  writer.write(encode(PoseMessage{.header = {.stamp = {}, .frame = "odom"}}));
+  writer.write(encode(PoseMessage{.header = {.stamp = {}, .frame = "odom"}, .T_a_b = {}}));
   writer.write(encode(PoseMessage{.header = {.stamp = Timestamp(kSecond), .frame = "map"},
                                   .T_a_b = {.p = {1.0, 2.0, 0.0}}}));
   const auto measurement = live_->next({});

@@ -27,6 +27,19 @@ TEST(LineTail, GivesEachLineOnceAndOnlyWhenItHasEnded) {
   EXPECT_THAT(tail.new_lines(), ElementsAre("three", "", "four"));
 }
 
+TEST(LineTail, FollowsAFileThatIsBegunAnew) {
+  const auto file = test_folder() / "rotated.csv";
+  CsvTail table(file);
+  std::vector<double> values;
+  const auto read = [&] { table.read([&] { values.push_back(table.number("value")); }); };
+  std::ofstream(file) << "name,value\na,1\nb,2\n";
+  read();
+  std::filesystem::rename(file, test_folder() / "rotated.csv.1");
+  std::ofstream(file) << "name,value\nc,3\n";
+  read();
+  EXPECT_THAT(values, ElementsAre(1.0, 2.0, 3.0));
+}
+
 TEST(CsvTail, FindsFieldsByTheirColumn) {
   const auto file = test_folder() / "table.csv";
   CsvTail table(file);

@@ -184,5 +184,44 @@ TEST_F(RunFolderTest, NamesASummaryThatCannotBeWritten) {
   EXPECT_THAT(error_of([&] { run.finish({}); }), HasSubstr((folder_ / "summary.json").string()));
 }
 
+TEST_F(RunFolderTest, GoesOnInANewPartAfterATimeAndDeletesTheOldest) {
+  RunFolder run(folder_, {.max_time = lasting(10.0), .kept = 2});
+  for (int second = 0; second < 36; ++second) run.add_frame(frame(second, Quality::kLocalized));
+  run.finish({});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "part_000001"));
+  const auto third = lines_of(folder_ / "part_000003" / "diagnostics.csv");
+  ASSERT_THAT(third, SizeIs(1 + 11));
+  EXPECT_EQ(third.front(), kDiagnosticsHeader);
+  EXPECT_THAT(third.at(1), StartsWith("1403715296.0")) << "22 s";
+  EXPECT_THAT(lines_of(folder_ / "part_000003" / "localization_frames.tum"), SizeIs(11));
+  EXPECT_THAT(lines_of(folder_ / "diagnostics.csv"), SizeIs(1 + 3));
+  EXPECT_EQ(summary().at("frames"), 36) << "of all parts";
+}
+
+TEST_F(RunFolderTest, GoesOnInANewPartWhenItsFilesAreLarge) {
+  RunFolder run(folder_, {.max_bytes = 20'000, .kept = 1000});
+  for (int i = 0; i < 300; ++i) {
+    run.add_imu_rate_pose(pose_estimate(i, Quality::kLocalized));
+    run.add_frame(frame(i, Quality::kLocalized));
+  }
+  ASSERT_TRUE(std::filesystem::exists(folder_ / "part_000002"));
+  std::uintmax_t bytes = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder_ / "part_000001")) {
+    bytes += file.file_size();
+  }
+  EXPECT_GE(bytes, 20'000);
+  EXPECT_LT(bytes, 22'000);
+}
+
+TEST_F(RunFolderTest, GoesOnInANewPartWhenAsked) {
+  RunFolder run(folder_);
+  run.add_frame(frame(1.0, Quality::kLocalized));
+  run.begin_part();
+  run.add_frame(frame(2.0, Quality::kLocalized));
+  run.finish({});
+  EXPECT_THAT(lines_of(folder_ / "part_000001" / "diagnostics.csv"), SizeIs(2));
+  EXPECT_THAT(lines_of(folder_ / "diagnostics.csv"), SizeIs(2));
+}
+
 }  // namespace
 }  // namespace fleetloc
