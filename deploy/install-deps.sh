@@ -8,7 +8,7 @@ set -eu
 packages="g++ cmake ninja-build
   libpcl-dev libopencv-dev libceres-dev libfastrtps-dev libfastcdr-dev fastddsgen libyaml-cpp-dev
   libeigen3-dev libgtest-dev libgmock-dev libbenchmark-dev libcli11-dev libspdlog-dev
-  nlohmann-json3-dev libnanoflann-dev libembree-dev libtinyxml2-dev libsystemd-dev gnuplot-nox iproute2
+  nlohmann-json3-dev libnanoflann-dev libembree-dev libtinyxml2-dev libsystemd-dev libcpp-httplib-dev gnuplot-nox iproute2
   libkainjow-mustache-dev libxxhash-dev libexpected-dev python3
   fastdds-tools"
 

@@ -10,6 +10,7 @@
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
 #include "shared/core/boot_time.hpp"
+#include "shared/transport/monitoring/monitor_profiles.hpp"
 
 namespace fleetloc {
 namespace {
@@ -42,6 +43,11 @@ DdsChannel::Config channel_config(const CloudNodeOptions& options) {
           .link = options.link};
 }
 
+std::uint32_t domain_with_profiles(const CloudNodeOptions& options) {
+  load_monitor_profiles(options.monitor_qos);
+  return options.domain;
+}
+
 std::filesystem::path created(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -58,7 +64,8 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
       reload_(reload),
       map_(std::make_shared<const LaserMap>(load_map(options.map))),
       channel_(channel_config(options)),
-      pool_(options.name, incarnation_of_this_start(), map_, config.pool) {
+      pool_(options.name, incarnation_of_this_start(), map_, config.pool),
+      fleet_(domain_with_profiles(options)) {
   if (!options.out.empty()) {
     log_.emplace(created(options.out) / "status.csv", steady_now());
   }
@@ -131,6 +138,7 @@ void CloudNode::report(double load, Timestamp now) {
   service_.alive(uptime);
   service_.status(std::to_string(pool_.sessions()) + " robots", uptime);
   if (log_) log_->add(pool_, load, now);
+  tell_watchers(now);
   if (reload_.take()) {
     if (log_) log_->begin_anew();
     spdlog::info("{}: SIGHUP: {}", options_.name, log_ ? "status.csv anew" : "nothing to reload");
@@ -141,6 +149,13 @@ void CloudNode::report(double load, Timestamp now) {
   for (const std::string& event : pool_.take_events()) {
     spdlog::info("{}: {}", options_.name, event);
   }
+}
+
+void CloudNode::tell_watchers(Timestamp now) {
+  constexpr milliseconds kInterval{500};
+  if (told_ && now - *told_ < kInterval) return;
+  told_ = now;
+  if (fleet_.is_watched()) fleet_.write(pool_.status(), pool_.served(now));
 }
 
 void CloudNode::finish_jobs(WorkerPool& workers, WorkerLoad& load) {

@@ -17,6 +17,7 @@
 #include "shared/link/link_config.hpp"
 #include "shared/service/service_manager.hpp"
 #include "shared/transport/dds_channel.hpp"
+#include "shared/transport/monitoring/fleet_writer.hpp"
 
 namespace fleetloc {
 
@@ -26,9 +27,10 @@ struct CloudNodeOptions {
   std::filesystem::path out;  ///< folder for status.csv and sessions.json; empty: neither
   std::string name;           ///< of the localizer, unique in the fleet
   std::uint32_t domain = 0;
-  int workers = 1;                            ///< localizations at a time
-  std::optional<LinkConfig> link;             ///< emulated; none: the network as it is
-  std::optional<double> publish_map_voxel_m;  ///< to ROS 2; none: it is not
+  int workers = 1;                 ///< localizations at a time
+  std::optional<LinkConfig> link;  ///< emulated; none: the network as it is
+  std::optional<std::filesystem::path> monitor_qos = std::nullopt;  ///< none: the built-in one
+  std::optional<double> publish_map_voxel_m;                        ///< to ROS 2; none: it is not
 };
 
 struct CloudNodeConfig {
@@ -51,6 +53,7 @@ class CloudNode {
   bool is_over(const std::stop_token& stop, const std::stop_token& urgent);
   void serve(WorkerPool& workers, WorkerLoad& load);
   void report(double load, Timestamp now);
+  void tell_watchers(Timestamp now);
   void finish_jobs(WorkerPool& workers, WorkerLoad& load);
   void start_jobs(WorkerPool& workers);
 
@@ -62,6 +65,8 @@ class CloudNode {
   DdsChannel channel_;
   LocalizerPool pool_;
   std::optional<MapPublisher> map_publisher_;
+  FleetWriter fleet_;
+  std::optional<Timestamp> told_;  // to those who watch the fleet
   std::optional<Timestamp> draining_since_;
 };
 

@@ -40,6 +40,10 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 256));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
     app.add_option(
+        "--monitor-qos",
+        options.monitor_qos,
+        "QoS profiles for fleetloc-monitor; else qos_profiles/monitor.xml as it was built");
+    app.add_option(
            "--publish-map",
            options.publish_map_voxel_m,
            "shows the map to ROS 2 on this computer, a point for each voxel of this edge [m]")

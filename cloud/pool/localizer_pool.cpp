@@ -37,11 +37,11 @@ LocalizerPool::LocalizerPool(std::string name,
                              const Config& config)
     : map_(std::move(map)),
       config_(config),
-      protocol_(
-          {.name = std::move(name), .incarnation = incarnation, .map_hash = map_->info().hash},
-          config.protocol),
+      protocol_({.name = name, .incarnation = incarnation, .map_hash = map_->info().hash},
+                config.protocol),
       scheduler_(config.max_waiting_s),
-      report_(config.protocol.max_sessions) {}
+      report_(config.protocol.max_sessions),
+      served_(name) {}
 
 void LocalizerPool::receive(const Message& message, Timestamp now) {
   const auto take = [&](auto decoded, auto receive) {
@@ -61,7 +61,8 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
     take(decode_submap_sample(payload),
          [&](const auto& sample) { receive_submap(sample, payload.size(), now); });
   } else if (message.topic == Topic::kRobotStatus) {
-    take(decode_robot_status(payload), [&](auto status) { receive_status(status, now); });
+    take(decode_robot_status(payload),
+         [&](auto status) { receive_status(status, payload.size(), now); });
   }
 }
 
@@ -70,7 +71,7 @@ void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) 
   const auto change = protocol_.announced(session, now);
   if (!change) return report_.refuse(session.robot, change.error(), now);
   if (*change == Change::kLeft) return end(session.robot, "went to " + session.localizer);
-  if (*change != Change::kNone) open(session, *change);
+  if (*change != Change::kNone) open(session, *change, now);
   if (*change == Change::kOpened || *change == Change::kReplaced) {
     for (const auto& [sample, bytes] : early_.take(session.robot, session.session)) {
       receive_submap(sample, bytes, now);
@@ -79,7 +80,9 @@ void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) 
 }
 
 // A job that runs meanwhile keeps its own session; what it finds is dropped.
-void LocalizerPool::open(const RobotSession& session, SessionProtocol::Change change) {
+void LocalizerPool::open(const RobotSession& session,
+                         SessionProtocol::Change change,
+                         Timestamp now) {
   using Change = SessionProtocol::Change;
   Robot& robot = robots_[session.robot];
   const auto before = std::exchange(
@@ -93,6 +96,7 @@ void LocalizerPool::open(const RobotSession& session, SessionProtocol::Change ch
   scheduler_.drop_work(session.robot);
   if (change == Change::kOpened) report_.open(session.robot);
   ++report_.of(session.robot).sessions;
+  served_.open(session.robot, session.session, now);
   report_.log(session.robot + ": session " +
               std::to_string(static_cast<std::uint32_t>(session.session)) +
               (change == Change::kReplaced ? " replaces the one before" : " opened"));
@@ -124,6 +128,7 @@ void LocalizerPool::receive_submap(const SubmapSample& sample, std::size_t bytes
 void LocalizerPool::add_submap(Submap submap, std::size_t bytes, Timestamp now) {
   const RobotId id = submap.robot;
   protocol_.store(header_of(submap), now);
+  served_.received(id, bytes, now);
   SessionReport& report = report_.of(id);
   ++report.submaps;
   scheduler_.add(id, now);
@@ -133,10 +138,12 @@ void LocalizerPool::add_submap(Submap submap, std::size_t bytes, Timestamp now) 
 }
 
 // A status alone asks for nothing: that of an unknown session is not counted.
-void LocalizerPool::receive_status(const RobotStatus& status, Timestamp now) {
+void LocalizerPool::receive_status(const RobotStatus& status, std::size_t bytes, Timestamp now) {
   const auto accepted = protocol_.status(status, now);
   if (accepted) {
     report_.of(status.robot).status = status;
+    served_.received(status.robot, bytes, now);
+    served_.told(status);
   } else if (accepted.error() != PoolRefusal::kUnknownSession) {
     report_.refuse(status.robot, accepted.error(), now);
   }
@@ -202,16 +209,22 @@ void LocalizerPool::finish(const Job& job,
     report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
+  served_.answered(job.robot, answer);
   protocol_.answer(job.robot, std::move(answer), job.correction);
 }
 
 std::vector<OutgoingMessage> LocalizerPool::outgoing(Timestamp now, double load) {
   clean_up(now);
-  return protocol_.outgoing(now, load, report_);
+  auto messages = protocol_.outgoing(now, load, report_);
+  for (const OutgoingMessage& each : messages) {
+    served_.sent(each.partition, each.message.payload.size(), now);
+  }
+  return messages;
 }
 
 void LocalizerPool::end(const RobotId& robot, const std::string& why) {
   report_.close(robot, why, protocol_.end(robot));
+  served_.erase(robot);
   scheduler_.erase(robot);
   robots_.erase(robot);
 }

@@ -13,6 +13,7 @@
 #include "cloud/pool/early_samples.hpp"
 #include "cloud/pool/fair_scheduler.hpp"
 #include "cloud/pool/pool_report.hpp"
+#include "cloud/pool/served_robots.hpp"
 #include "cloud/pool/session_protocol.hpp"
 #include "cloud/pool/waiting_submaps.hpp"
 #include "shared/compact/submap_sample.hpp"
@@ -93,6 +94,8 @@ class LocalizerPool {
   [[nodiscard]] const std::map<std::string, std::uint64_t>& unattributed() const {
     return report_.unattributed();
   }
+  /// The robots that are served, for those who watch the fleet.
+  [[nodiscard]] std::vector<ServedRobot> served(Timestamp now) const { return served_.all(now); }
   [[nodiscard]] std::size_t sessions() const { return protocol_.sessions(); }
   /// As of the last outgoing().
   [[nodiscard]] const LocalizerStatus& status() const { return protocol_.localizer_status(); }
@@ -108,8 +111,8 @@ class LocalizerPool {
   void receive_submap(Submap submap, std::size_t bytes, Timestamp now);
   void receive_submap(const SubmapSample& sample, std::size_t bytes, Timestamp now);
   void add_submap(Submap submap, std::size_t bytes, Timestamp now);
-  void receive_status(const RobotStatus& status, Timestamp now);
-  void open(const RobotSession& session, SessionProtocol::Change change);
+  void receive_status(const RobotStatus& status, std::size_t bytes, Timestamp now);
+  void open(const RobotSession& session, SessionProtocol::Change change, Timestamp now);
   void end(const RobotId& robot, const std::string& why);
   void clean_up(Timestamp now);
 
@@ -118,6 +121,7 @@ class LocalizerPool {
   SessionProtocol protocol_;
   FairScheduler scheduler_;
   PoolReport report_;
+  ServedRobots served_;
   EarlySamples early_;
   std::map<RobotId, Robot> robots_;  // that have a session here
   std::optional<Timestamp> cleaned_up_;

@@ -7,7 +7,7 @@ set(FLEETLOC_LAYERS
     "shared/geometry shared/concurrency shared/config shared/coding shared/cdr shared/service"
     "shared/model shared/link shared/transport/workarounds"
     "shared/factors shared/wire shared/ros2 shared/transport shared/trajectory shared/dataset"
-    "shared/compact shared/transport/ros2"
+    "shared/compact shared/transport/ros2 shared/transport/monitoring"
     "shared/protocol"
     "robot/sensors robot/calibration"
     "robot/dataset robot/live robot/tracking robot/inertial cloud/point_cloud"
@@ -26,8 +26,8 @@ set(FLEETLOC_LAYERS
 string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
-set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds|/ros2)?"
-    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "systemd/=shared/service" "tl/=shared/core")
+set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds|/ros2|/monitoring)?"
+    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "systemd/=shared/service" "httplib=deploy/monitor" "tl/=shared/core")
 
 function(fleetloc_layer_of folder out)
   set(index 0)

@@ -5,6 +5,7 @@
 
 #include <idl/compact_submapPubSubTypes.h>
 #include <idl/localizationPubSubTypes.h>
+#include <idl/monitoringPubSubTypes.h>
 #include <idl/posePubSubTypes.h>
 #include <idl/sessionPubSubTypes.h>
 #include <idl/statusPubSubTypes.h>
@@ -68,6 +69,15 @@ TopicSpec pose_topic_spec(const std::string& robot) {
 
 TopicSpec versions_topic_spec() {
   return spec<wire::LocalizerStatusPubSubType>("fleetloc/versions", "robot_status");
+}
+
+TopicSpec served_robots_topic_spec() {
+  return spec<wire::ServedRobotPubSubType>(kPrefix + "monitor/robots", "monitor_robots");
+}
+
+TopicSpec served_localizers_topic_spec() {
+  return spec<wire::LocalizerStatusPubSubType>(kPrefix + "monitor/localizers",
+                                               "monitor_localizers");
 }
 
 std::optional<std::pair<Topic, std::string>> topic_of(std::string_view name) {

@@ -37,6 +37,11 @@ TopicSpec pose_topic_spec(const std::string& robot);
 /// tells only those of each other who share a topic.
 TopicSpec versions_topic_spec();
 
+/// `fleetloc/1/monitor/robots` and `fleetloc/1/monitor/localizers`: of localizers, for those who
+/// watch the fleet. They have participants of their own, see shared/transport/monitoring.
+TopicSpec served_robots_topic_spec();
+TopicSpec served_localizers_topic_spec();
+
 /// The topic with this name, and its receiver; nothing if topic_spec() makes no such name.
 std::optional<std::pair<Topic, std::string>> topic_of(std::string_view name);
 

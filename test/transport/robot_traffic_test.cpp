@@ -4,6 +4,7 @@
 // of RTPS, UDP and IP included. Discovery comes on top now and then, and does grow with the number
 // of participants; in the least of many exchanges there is none.
 #include <algorithm>
+#include <iostream>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -12,6 +13,9 @@
 #include <idl/statusPubSubTypes.h>
 
 #include "shared/link/datagrams.hpp"
+#include "shared/transport/monitoring/fleet_reader.hpp"
+#include "shared/transport/monitoring/fleet_writer.hpp"
+#include "shared/transport/monitoring/monitor_profiles.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
 
@@ -85,6 +89,15 @@ ExchangeBytes min_bytes(const std::vector<Pair>& pairs, const ExchangeBytes& exp
   return least;
 }
 
+ExchangeBytes exchange_on_the_wire() {
+  const auto on_the_wire = [](const Message& message) -> std::uint64_t {
+    return datagram_sizes(message.payload.size()).front();
+  };
+  return {
+      .sent = on_the_wire(numbered_submap(1, "robot_1", kRows)) + on_the_wire(status_of("robot_1")),
+      .received = on_the_wire(answer_to(1, wire::LOCALIZED))};
+}
+
 TEST(RobotTraffic, StaysTheSameWhenALocalizerNineRobotsAndAMonitorJoin) {
   const TestNetwork network;
   const auto join = [&](ChannelRole role, const std::string& name) {
@@ -95,12 +108,7 @@ TEST(RobotTraffic, StaysTheSameWhenALocalizerNineRobotsAndAMonitorJoin) {
   std::vector<Pair> pairs{{"robot_1", "cloud_1", *robot_1, *cloud_1}};
   ASSERT_TRUE(pairs[0].is_matched());
 
-  const auto on_the_wire = [](const Message& message) -> std::uint64_t {
-    return datagram_sizes(message.payload.size()).front();
-  };
-  const ExchangeBytes expected{
-      .sent = on_the_wire(numbered_submap(1, "robot_1", kRows)) + on_the_wire(status_of("robot_1")),
-      .received = on_the_wire(answer_to(1, wire::LOCALIZED))};
+  const ExchangeBytes expected = exchange_on_the_wire();
   const ExchangeBytes alone = min_bytes(pairs, expected);
   EXPECT_EQ(alone.sent, expected.sent);
   EXPECT_EQ(alone.received, expected.received);
@@ -122,6 +130,38 @@ TEST(RobotTraffic, StaysTheSameWhenALocalizerNineRobotsAndAMonitorJoin) {
   const ExchangeBytes among_others = min_bytes(pairs, expected);
   EXPECT_EQ(among_others.sent, expected.sent);
   EXPECT_EQ(among_others.received, expected.received);
+}
+
+TEST(RobotTraffic, IsTheSameHoweverManyWatchTheFleet) {
+  const TestNetwork network;
+  load_monitor_profiles();
+  DdsChannel cloud(on_loopback(network.domain(), ChannelRole::kCloud, "cloud_1"));
+  DdsChannel robot(on_loopback(network.domain(), ChannelRole::kRobot, "robot_1"));
+  const std::vector<Pair> pair{{"robot_1", "cloud_1", robot, cloud}};
+  ASSERT_TRUE(pair[0].is_matched());
+  FleetWriter monitored(network.domain());
+  const auto tell = [&] {
+    monitored.write({.localizer = "cloud_1"}, {{.localizer = "cloud_1", .robot = "robot_1"}});
+  };
+  std::vector<std::unique_ptr<FleetReader>> monitors;
+  for (const std::size_t watchers : {0U, 1U, 3U}) {
+    while (monitors.size() < watchers) {
+      monitors.push_back(std::make_unique<FleetReader>(network.domain()));
+    }
+    for (const auto& monitor : monitors) {
+      ASSERT_TRUE(comes_true([&] {
+        tell();
+        return !monitor->take().empty();
+      }));
+    }
+    EXPECT_EQ(monitored.is_watched(), watchers > 0);
+    const ExchangeBytes bytes = min_bytes(pair, exchange_on_the_wire());
+    EXPECT_EQ(bytes.sent, exchange_on_the_wire().sent) << watchers << " watch";
+    EXPECT_EQ(bytes.received, exchange_on_the_wire().received) << watchers << " watch";
+  }
+  // Discovery included: that of the localizer, and of nobody else.
+  const ChannelStatistics all = robot.statistics();
+  std::cout << all.sent_wire_bytes << " bytes up, " << all.received_wire_bytes << " down\n";
 }
 
 }  // namespace

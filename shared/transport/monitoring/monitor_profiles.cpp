@@ -1,0 +1,16 @@
+#include "shared/transport/monitoring/monitor_profiles.hpp"
+
+#include "shared/transport/monitoring/embedded_profiles.hpp"
+#include "shared/transport/qos_profiles.hpp"
+
+namespace fleetloc {
+
+void load_monitor_profiles(const std::optional<std::filesystem::path>& file) {
+  if (file) {
+    load_qos_profiles(*file);
+  } else {
+    load_embedded_qos_profiles(kMonitorProfiles, "monitor.xml of this program");
+  }
+}
+
+}  // namespace fleetloc
