@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "shared/geometry/angle.hpp"
 #include "shared/ros2/ros2_names.hpp"
 
 namespace fleetloc {
@@ -37,7 +38,8 @@ double position_sigma(const Matrix6d& covariance) {
   return std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
 }
 
-DiagnosticStatus localization(const std::optional<PoseEstimate>& pose) {
+DiagnosticStatus localization(const RobotState& state) {
+  const std::optional<PoseEstimate>& pose = state.pose;
   const Quality quality = pose ? pose->quality : Quality::kInitializing;
   DiagnosticStatus status{.level = level_of(quality),
                           .component = "fleetloc: localization",
@@ -49,6 +51,14 @@ DiagnosticStatus localization(const std::optional<PoseEstimate>& pose) {
   if (pose->T_map_body) {
     status.values.emplace_back("map_sigma_m", text(position_sigma(pose->covariance_map)));
     status.values.emplace_back("since_last_answer_s", text(to_seconds(pose->since_last_answer)));
+  }
+  if (!state.answer) return status;
+  status.values.emplace_back("localizer", state.answer->answer.localizer);
+  status.values.emplace_back("last_answer", std::string(name(state.answer->outcome)));
+  if (const auto& innovation = state.answer->innovation) {
+    const double angle_rad = innovation->head<3>().norm();
+    status.values.emplace_back("innovation_m", text(innovation->tail<3>().norm()));
+    status.values.emplace_back("innovation_deg", text(angle_rad / kRadPerDeg));
   }
   return status;
 }
@@ -89,10 +99,10 @@ DiagnosticStatus link(const LinkTraffic& traffic) {
 }  // namespace
 
 std::vector<DiagnosticStatus> robot_diagnostics(const std::string& robot,
-                                                const std::optional<PoseEstimate>& pose,
-                                                const LinkTraffic& traffic,
+                                                const RobotState& state,
                                                 const SensorState& sensors) {
-  std::vector<DiagnosticStatus> statuses{localization(pose), sensor_status(sensors), link(traffic)};
+  std::vector<DiagnosticStatus> statuses{
+      localization(state), sensor_status(sensors), link(state.traffic)};
   for (DiagnosticStatus& status : statuses) status.hardware = robot;
   return statuses;
 }
@@ -108,8 +118,9 @@ Ros2Diagnostics::Ros2Diagnostics(std::string robot,
 
 void Ros2Diagnostics::add(const RobotOutput& output) {
   const std::lock_guard lock(mutex_);
-  if (output.pose) pose_ = output.pose;
-  traffic_ = output.traffic;
+  if (output.pose) state_.pose = output.pose;
+  if (!output.answers.empty()) state_.answer = output.answers.back();
+  state_.traffic = output.traffic;
 }
 
 void Ros2Diagnostics::publish(const std::stop_token& stop) {
@@ -128,9 +139,8 @@ Bytes Ros2Diagnostics::message() const {
   const SensorState sensors = sensors_();
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const std::lock_guard lock(mutex_);
-  return encode(
-      DiagnosticsMessage{.header = {.stamp = Timestamp(now), .frame = {}},
-                         .statuses = robot_diagnostics(robot_, pose_, traffic_, sensors)});
+  return encode(DiagnosticsMessage{.header = {.stamp = Timestamp(now), .frame = {}},
+                                   .statuses = robot_diagnostics(robot_, state_, sensors)});
 }
 
 }  // namespace fleetloc

@@ -21,11 +21,16 @@ struct SensorState {
   std::map<std::string, std::uint64_t> faults;
 };
 
+/// What a robot has last come to know.
+struct RobotState {
+  std::optional<PoseEstimate> pose;
+  std::optional<LocalizationOutput> answer;
+  LinkTraffic traffic;
+};
+
 /// A robot as diagnostic_msgs/DiagnosticStatus says it: its localization, its sensors, its link.
-/// @param pose  the newest; nothing if there was none yet
 std::vector<DiagnosticStatus> robot_diagnostics(const std::string& robot,
-                                                const std::optional<PoseEstimate>& pose,
-                                                const LinkTraffic& traffic,
+                                                const RobotState& state,
                                                 const SensorState& sensors);
 
 /// Publishes diagnostic_msgs/DiagnosticArray on /diagnostics each second, whether or not the
@@ -49,9 +54,8 @@ class Ros2Diagnostics final : public RobotSink {
   std::function<SensorState()> sensors_;
   Ros2Writer writer_;  // used by the thread only
   mutable std::mutex mutex_;
-  std::optional<PoseEstimate> pose_;  // guarded by mutex_
-  LinkTraffic traffic_;               // guarded by mutex_
-  std::jthread thread_;               // last: uses the others
+  RobotState state_;     // guarded by mutex_
+  std::jthread thread_;  // last: uses the others
 };
 
 }  // namespace fleetloc

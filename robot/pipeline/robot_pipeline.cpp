@@ -172,16 +172,26 @@ RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& star
 
 void RobotPipeline::fuse_answers(Timestamp now) {
   for (LocalizationResult& answer : localizer_->take_answers(now)) {
+    const std::optional<Vector6d> innovation = innovation_of(answer);
     const AnswerOutcome outcome = fusion_->add_answer(answer);
     if (outcome) localizer_->note_applied();
     answer.stamp = time_.stamp_of(answer.stamp);
     answer.oldest_stamp = time_.stamp_of(answer.oldest_stamp);
-    answers_.push_back(
-        {.answer = std::move(answer), .arrival = time_.stamp_of(now), .outcome = outcome});
+    answers_.push_back({.answer = std::move(answer),
+                        .arrival = time_.stamp_of(now),
+                        .outcome = outcome,
+                        .innovation = innovation});
   }
   if (auto correction = localizer_->take_correction()) {
     odometry_.add_correction(std::move(*correction));
   }
+}
+
+std::optional<Vector6d> RobotPipeline::innovation_of(const LocalizationResult& answer) const {
+  if (answer.status != LocalizationStatus::kLocalized) return std::nullopt;
+  const auto before = fusion_->estimate_at(answer.stamp);
+  if (!before || !before->T_map_body) return std::nullopt;
+  return local_coordinates(*before->T_map_body, answer.T_map_body);
 }
 
 // Nothing before the first applied answer, or if it is older than a gap in the IMU's data.

@@ -50,6 +50,9 @@ struct LocalizationOutput {
   LocalizationResult answer;
   Timestamp arrival;
   AnswerOutcome outcome;
+  /// Of the answer's pose from the one known before it, at its stamp, tangent of T_map_body;
+  /// nothing if none was.
+  std::optional<Vector6d> innovation;
 };
 
 /// The robot: images and IMU in, poses out; submaps to a MapLocalizer, answers back.
@@ -119,6 +122,7 @@ class RobotPipeline {
   void begin_session(const OdometryWindow& window, Timestamp now);
   [[nodiscard]] RobotSession announced(const std::optional<MapOdomEstimate>& start) const;
   void fuse_answers(Timestamp now);
+  [[nodiscard]] std::optional<Vector6d> innovation_of(const LocalizationResult& answer) const;
   [[nodiscard]] std::optional<MapOdomEstimate> start_from_answers(const Pose& T_odom_body) const;
   [[nodiscard]] SessionNumber session() const;
 

@@ -11,8 +11,13 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include "cloud/laser_map/build_map.hpp"
+#include "deploy/replay/localizer_decorator.hpp"
 #include "deploy/replay/simulated_back_end.hpp"
+#include "deploy/replay/simulated_cloud.hpp"
+#include "robot/cloud_client/cloud_client.hpp"
 #include "robot/runtime/robot_runtime.hpp"
+#include "shared/link/memory_network.hpp"
 #include "test/looped_flight.hpp"
 #include "test/truthful_localizer.hpp"
 
@@ -21,9 +26,9 @@ namespace {
 
 constexpr std::size_t kShares = 10;  // of the run, in which memory is compared
 
-std::size_t frame_count() {
+std::size_t frame_count(std::size_t otherwise) {
   const char* frames = std::getenv("FLEETLOC_ENDURANCE_FRAMES");
-  return frames == nullptr ? 20000 : std::stoul(frames);
+  return frames == nullptr ? otherwise : std::stoul(frames);
 }
 
 double resident_mb() {
@@ -72,12 +77,32 @@ void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
 }
 
-TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
-  keep_freed_memory();
-  const std::size_t frames = frame_count();
+/// The robot's client, and the localizer that it talks to, in simulated time.
+class LocalizerInProcess final : public LocalizerDecorator {
+ public:
+  LocalizerInProcess(CloudClient& client, SimulatedCloud& cloud)
+      : LocalizerDecorator(client), cloud_(cloud) {}
+
+  void update(Timestamp now, Quality quality) override {
+    cloud_.advance(now);
+    LocalizerDecorator::update(now, quality);
+  }
+
+ private:
+  SimulatedCloud& cloud_;
+};
+
+std::shared_ptr<const LaserMap> map_of(const SimulatedRun& run) {
+  std::vector<Eigen::Vector3f> points;
+  for (const Eigen::Vector3d& p : run.surface_points(0.05)) points.push_back(p.cast<float>());
+  return std::make_shared<const LaserMap>(
+      build_map(points, "map", read_map_config(defaults().section("map"))));
+}
+
+/// @param unlocalized  frames at the start, at most
+void expect_flat_memory(LoopedFlight& flight, MapLocalizer& localizer, std::size_t unlocalized) {
+  const std::size_t frames = *flight.frame_count();
   const ConfigReader config = defaults();
-  LoopedFlight flight(frames);
-  TruthfulLocalizer localizer([&](Timestamp stamp) { return flight.truth(stamp); });
   SimulatedBackEnd back_end(
       KeyframeWorker(
           flight.run().stereo(), flight.run().noise(), read_keyframe_worker_config(config), {}),
@@ -100,8 +125,33 @@ TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
             << watch.worst_m << " m, " << robot.odometry().statistics().resets << " resets\n";
   EXPECT_LE(*std::ranges::max_element(watch.heap_mb), 1.02 * watch.heap_mb.front());
   EXPECT_LE(*std::ranges::max_element(watch.resident), 1.02 * watch.resident.front());
-  EXPECT_GT(watch.localized, frames - 100);
+  EXPECT_GT(watch.localized, frames - unlocalized);
   EXPECT_LT(watch.worst_m, 0.15);
+}
+
+TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
+  keep_freed_memory();
+  LoopedFlight flight(frame_count(20'000));
+  TruthfulLocalizer localizer([&](Timestamp stamp) { return flight.truth(stamp); });
+  expect_flat_memory(flight, localizer, 100);
+}
+
+TEST(RobotEndurance, NeedsNoMoreMemoryWithALocalizerInTheSameProcess) {
+  keep_freed_memory();
+  LoopedFlight flight(frame_count(6'000));
+  MemoryNetwork network{LinkConfig{}};
+  const auto robot_end = network.join_robot("robot");
+  const auto cloud_end = network.join_cloud("localizer");
+  SimulatedCloud cloud(LocalizerPool("localizer",
+                                     Incarnation{1},
+                                     map_of(flight.run()),
+                                     read_localizer_pool_config(defaults())),
+                       *cloud_end,
+                       std::chrono::milliseconds(50),
+                       {});
+  CloudClient client("robot", *robot_end, read_cloud_client_config(defaults().section("client")));
+  LocalizerInProcess localizer(client, cloud);
+  expect_flat_memory(flight, localizer, 200);
 }
 
 }  // namespace

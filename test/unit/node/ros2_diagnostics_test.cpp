@@ -15,9 +15,10 @@ enum Part : std::size_t { kLocalization, kSensors, kLink };
 DiagnosticStatus part(Part part,
                       const std::optional<PoseEstimate>& pose,
                       const SensorState& sensors = {}) {
-  LinkTraffic traffic;
-  traffic.uplink_bytes = 17;
-  return robot_diagnostics("robot_1", pose, traffic, sensors).at(part);
+  RobotState state;
+  state.pose = pose;
+  state.traffic.uplink_bytes = 17;
+  return robot_diagnostics("robot_1", state, sensors).at(part);
 }
 
 PoseEstimate pose_of(Quality quality) {
@@ -39,6 +40,20 @@ TEST(RobotDiagnostics, HaveOneSigmaOfThePosition) {
   pose.T_map_body = Pose{};
   pose.covariance_map.diagonal() << 1.0, 1.0, 1.0, 4.0, 4.0, 1.0;
   EXPECT_THAT(part(kLocalization, pose).values, Contains(Pair("map_sigma_m", "3")));
+}
+
+TEST(RobotDiagnostics, TellWhoHasAnsweredAndHowFarTheAnswerWasFromThePose) {
+  RobotState state;
+  state.pose = pose_of(Quality::kLocalized);
+  state.answer.emplace();
+  state.answer->answer.localizer = "localizer_1";
+  state.answer->outcome = unexpected(FusionRejection::kGated);
+  state.answer->innovation = (Vector6d() << 0.1, 0.0, 0.0, 0.3, 0.4, 0.0).finished();
+  const auto values = robot_diagnostics("robot_1", state, {}).at(kLocalization).values;
+  EXPECT_THAT(values, Contains(Pair("localizer", "localizer_1")));
+  EXPECT_THAT(values, Contains(Pair("last_answer", "gated")));
+  EXPECT_THAT(values, Contains(Pair("innovation_m", "0.5")));
+  EXPECT_THAT(values, Contains(Pair("innovation_deg", HasSubstr("5.7"))));
 }
 
 TEST(RobotDiagnostics, NameTopicsThatAreSilentAndCountFaults) {

@@ -67,6 +67,18 @@ TEST_F(Placement, BeginsANewSessionAtOnceFromWhereTheRobotHasDrivenSince) {
   EXPECT_EQ(pipeline_.odometry().statistics().resets, 0U);
 }
 
+TEST_F(Placement, IsNoPoseThatAnAnswerCouldBeComparedWith) {
+  play(10.0);
+  pipeline_.place({.stamp = Timestamp{from_seconds(10.0)}, .T_map_body = truth(10.0)});
+  static_cast<void>(pipeline_.take_answers());
+  play(12.0);
+  const auto answers = pipeline_.take_answers();
+  ASSERT_GT(answers.size(), 2U);
+  EXPECT_FALSE(answers.front().innovation);
+  ASSERT_TRUE(answers.back().innovation);
+  EXPECT_LT(answers.back().innovation->norm(), 0.05);
+}
+
 TEST_F(Placement, ByAnotherClockIsWhereTheRobotIsNow) {
   play(10.0);
   for (const Timestamp stamp : {Timestamp{}, Timestamp{std::chrono::hours(24 * 365 * 50)}}) {
