@@ -12,8 +12,8 @@
 
 namespace fleetloc {
 
-/// The fleet as its localizers tell it. Localizers are gone after five seconds of silence, and so are
-/// the robots that nobody else tells of; a robot whose localizer has not heard of it for thirty
+/// The fleet as its localizers tell it. Localizers are gone after five seconds of silence, and so
+/// are the robots that nobody else tells of; a robot whose localizer has not heard of it for thirty
 /// seconds is, too. Of a robot that two localizers know, during a handover,
 /// what the one says that has heard of it last.
 class ServedFleet {
