@@ -98,7 +98,7 @@ void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) 
   for (const auto& [reason, count] : pool_.unattributed()) {
     spdlog::warn("{}: {} messages of robots that are not served: {}", options_.name, count, reason);
   }
-  if (log_) write_sessions(options_.out / "sessions.json", pool_.reports());
+  if (!options_.out.empty()) write_sessions(options_.out / "sessions.json", pool_.reports());
   spdlog::info("{}: stopped, {} robots served", options_.name, pool_.reports().size());
 }
 
@@ -137,17 +137,29 @@ void CloudNode::report(double load, Timestamp now) {
   const ArrivalTime uptime = boot_time();
   service_.alive(uptime);
   service_.status(std::to_string(pool_.sessions()) + " robots", uptime);
-  if (log_) log_->add(pool_, load, now);
+  log_status(load, now);
   tell_watchers(now);
-  if (reload_.take()) {
-    if (log_) log_->begin_anew();
-    spdlog::info("{}: SIGHUP: {}", options_.name, log_ ? "status.csv anew" : "nothing to reload");
-  }
   for (const std::string& event : channel_.take_events()) {
     spdlog::info("{}: {}", options_.name, event);
   }
   for (const std::string& event : pool_.take_events()) {
     spdlog::info("{}: {}", options_.name, event);
+  }
+}
+
+// A full disk ends the log, not the localizer.
+void CloudNode::log_status(double load, Timestamp now) {
+  const bool is_anew = reload_.take();
+  if (is_anew) {
+    spdlog::info("{}: SIGHUP: {}", options_.name, log_ ? "status.csv anew" : "nothing to reload");
+  }
+  if (!log_) return;
+  try {
+    if (is_anew) log_->begin_anew();
+    log_->add(pool_, load, now);
+  } catch (const std::runtime_error& error) {
+    spdlog::error("{}: status.csv ends here: {}", options_.name, error.what());
+    log_.reset();
   }
 }
 

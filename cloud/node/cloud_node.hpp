@@ -53,6 +53,7 @@ class CloudNode {
   bool is_over(const std::stop_token& stop, const std::stop_token& urgent);
   void serve(WorkerPool& workers, WorkerLoad& load);
   void report(double load, Timestamp now);
+  void log_status(double load, Timestamp now);
   void tell_watchers(Timestamp now);
   void finish_jobs(WorkerPool& workers, WorkerLoad& load);
   void start_jobs(WorkerPool& workers);

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
            "shows the map to ROS 2 on this computer, a point for each voxel of this edge [m]")
         ->check(CLI::PositiveNumber);
     return program.run(argc, argv, [&] {
-      auto termination = std::make_shared<Termination>();  // before any thread
+      auto termination = std::make_shared<Termination>(Hangup::kReload);  // before any thread
       if (!is_valid_id(options.name)) {
         throw std::invalid_argument("--name: '" + options.name +
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");

@@ -59,7 +59,7 @@ struct Arguments {
   LinkArguments link;
   std::string map;
   std::optional<std::string> initial_pose;
-  std::string initial_sigma;
+  std::optional<std::string> initial_sigma;
   std::string faults;
   std::string localizers;
   std::string encoding;
@@ -84,7 +84,7 @@ ConfigReader effective(const Program& program, const Arguments& arguments) {
     config.overlay(ConfigReader::from_string(
         "client: {uplink: {encoding: " + arguments.encoding + "}}", "--encoding"));
   }
-  if (!arguments.initial_sigma.empty()) config.overlay(start_sigma_config(arguments.initial_sigma));
+  if (arguments.initial_sigma) config.overlay(start_sigma_config(*arguments.initial_sigma));
   return config;
 }
 

@@ -66,7 +66,8 @@ int main(int argc, char** argv) {
         app.add_option("--initial-pose",
                        initial_pose,
                        "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-    app.add_option("--initial-sigma", initial_sigma, "\"m deg\" of that pose, one sigma");
+    auto* start_sigma =
+        app.add_option("--initial-sigma", initial_sigma, "\"m deg\" of that pose, one sigma");
     app.add_option("--last-pose",
                    options.last_pose,
                    "file that keeps the pose, from which the next start begins without "
@@ -75,7 +76,7 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"compact", "full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
     return program.run(argc, argv, [&] {
-      auto termination = std::make_shared<Termination>();  // before any thread
+      auto termination = std::make_shared<Termination>(Hangup::kReload);  // before any thread
       if (!is_valid_id(options.id)) {
         throw std::invalid_argument("--robot-id: '" + options.id +
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {
         config.overlay(ConfigReader::from_string("client: {uplink: {encoding: " + encoding + "}}",
                                                  "--encoding"));
       }
-      if (!initial_sigma.empty()) config.overlay(start_sigma_config(initial_sigma));
+      if (start_sigma->count() > 0) config.overlay(start_sigma_config(initial_sigma));
       options.config = program.command_line() + config.text();
       auto node = std::make_shared<RobotNode>(options, read_config(config), termination->reload());
       return [node, termination] {

@@ -10,12 +10,18 @@
 
 namespace fleetloc {
 
-/// Turns SIGINT and SIGTERM into a stop request, a second one into an urgent one, and SIGHUP into a
-/// reload request. Create it before any other thread, which then inherits the blocked signals.
-/// SIGUSR1 is blocked as well, and only wakes the thread.
+/// What SIGHUP asks for.
+enum class Hangup {
+  kStop,    ///< the terminal is gone
+  kReload,  ///< of a service
+};
+
+/// Turns SIGINT and SIGTERM into a stop request, a second one into an urgent one. Create it before
+/// any other thread, which then inherits the blocked signals. SIGUSR1 is blocked as well, and only
+/// wakes the thread.
 class Termination {
  public:
-  Termination() {
+  explicit Termination(Hangup hangup = Hangup::kStop) : hangup_(hangup) {
     sigemptyset(&signals_);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
@@ -39,7 +45,7 @@ class Termination {
       int signal = 0;
       sigwait(&signals_, &signal);
       if (signal == SIGUSR1) continue;
-      if (signal == SIGHUP) {
+      if (signal == SIGHUP && hangup_ == Hangup::kReload) {
         reload_.set();
         continue;
       }
@@ -47,6 +53,7 @@ class Termination {
     }
   }
 
+  Hangup hangup_;
   sigset_t signals_{};
   std::stop_source source_;
   std::stop_source urgent_;

@@ -138,7 +138,7 @@ TEST(RobotEndurance, NeedsNoMoreMemoryAfterManyFramesThanAfterATenthOfThem) {
 
 TEST(RobotEndurance, NeedsNoMoreMemoryWithALocalizerInTheSameProcess) {
   keep_freed_memory();
-  LoopedFlight flight(frame_count(6'000));
+  LoopedFlight flight(frame_count(20'000));
   MemoryNetwork network{LinkConfig{}};
   const auto robot_end = network.join_robot("robot");
   const auto cloud_end = network.join_cloud("localizer");

@@ -80,6 +80,29 @@ TEST_F(PlacedRobot, ThatKnewNothingIsLocalizedWithinSecondsByTheKeyframesThatItH
             << " m\n";
 }
 
+// As far beside as RViz' "2D Pose Estimate" says that it may be: 0.5 m and 15 degrees (one sigma).
+TEST_F(PlacedRobot, IsFoundAsFarOffAsRvizAllows) {
+  for (const double sign : {1.0, -1.0}) {
+    begin(std::nullopt);
+    system_->play(20.0);
+    GivenPose given{.stamp = at(20.0), .T_map_body = displaced(20.0, 0.5 * sign, 15.0)};
+    given.covariance.diagonal() << 0.0, 0.0, 0.0685, 0.25, 0.25, 0.0;  // of yaw, x and y
+    const Eigen::Matrix3d R = given.T_map_body.R.toRotationMatrix();
+    for (const int block : {0, 3}) {
+      const Eigen::Matrix3d along_map = given.covariance.block<3, 3>(block, block);
+      given.covariance.block<3, 3>(block, block) = R.transpose() * along_map * R;
+    }
+    system_->robot().place(given);
+    system_->play(30.0);
+    const Found found = found_since(20.05);
+    ASSERT_TRUE(found.at_s) << sign;
+    EXPECT_LT(*found.at_s, 25.0);
+    EXPECT_LT(found.worst_m, 0.1);
+    std::cout << "localized after " << *found.at_s - 20.0 << " s, worst error " << found.worst_m
+              << " m\n";
+  }
+}
+
 // A start that is six sigmas beside the truth: the room has other places that fit.
 TEST_F(PlacedRobot, ForgetsTheWrongPlaceThatItIsSureOf) {
   begin(Pose{truth(0.0).R, truth(0.0).p + Eigen::Vector3d(2.5, 2.0, 0.0)});

@@ -141,7 +141,10 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
 }
 
 TEST_F(CommandLine, IsCheckedByTheMonitor) {
-  expect_refused(FLEETLOC_MONITOR, Words{"--once"}, "--run");
+  expect_refused(FLEETLOC_MONITOR, Words{"--ground-truth", file("truth.tum")}, "--run");
+  expect_refused(FLEETLOC_MONITOR, Words{"--map", file("map.pcd")}, "--http");
+  expect_refused(FLEETLOC_MONITOR, Words{"--qos", file("malformed.xml")}, file("malformed.xml"));
+  expect_refused(FLEETLOC_MONITOR, Words{"--domain", "101"}, "101");
   expect_refused(FLEETLOC_MONITOR, Words{"--run", file("a"), "--no-such-option"}, "--no-such");
   expect_refused(FLEETLOC_MONITOR,
                  Words{"--run", file("a"), "--ground-truth", file("missing.tum")},
@@ -161,9 +164,13 @@ TEST_F(CommandLine, IsCheckedByTheRobot) {
                      {"--qos", kLan},
                      {"--out", file("out")},
                      {"--domain", "100"}};
-  expect_options_checked(FLEETLOC_ROBOT, good, {"--robot-id", "--dataset", "--qos", "--out"});
+  expect_options_checked(FLEETLOC_ROBOT, good, {"--robot-id", "--dataset", "--qos"});
   expect_network_checked(FLEETLOC_ROBOT, good);
   expect_start_pose_checked(FLEETLOC_ROBOT, good);
+  for (const char* sigma : {"", "0.5", "0.5 five", "0.5 0", "-1 5", "1 2 3"}) {
+    expect_refused(
+        FLEETLOC_ROBOT, with(good, "--initial-sigma", sigma), std::string("'") + sigma + "'");
+  }
   for (const char* id : {"", "a b", "robot/1", "abcdefghijklmnopqrstuvwxyz0123456"}) {
     expect_refused(FLEETLOC_ROBOT, with(good, "--robot-id", id), std::string("'") + id + "'");
   }
@@ -184,9 +191,11 @@ TEST_F(CommandLine, IsCheckedByTheCloud) {
                      {"--qos", kLan},
                      {"--out", file("out")},
                      {"--domain", "100"}};
-  expect_options_checked(FLEETLOC_CLOUD, good, {"--name", "--map", "--qos", "--out"});
+  expect_options_checked(FLEETLOC_CLOUD, good, {"--name", "--map", "--qos"});
   expect_network_checked(FLEETLOC_CLOUD, good);
   expect_refused(FLEETLOC_CLOUD, with(good, "--name", "a b"), "'a b'");
+  expect_refused(FLEETLOC_CLOUD, with(good, "--publish-map", "0"), "--publish-map");
+  expect_refused(FLEETLOC_CLOUD, with(good, "--monitor-qos", file("none.xml")), file("none.xml"));
   expect_refused(FLEETLOC_CLOUD, with(good, "--map", file("none.pcd")), file("none.pcd"));
   expect_refused(FLEETLOC_CLOUD, with(good, "--map", file("wall.ply")), file("wall"));
   expect_refused(FLEETLOC_CLOUD, with(good, "--out", file("file") + "/out"), file("file") + "/out");
