@@ -65,6 +65,7 @@ void RunRecorder::finish(const RunEnd& end) {
                      .uplink_wire_bytes = end.traffic.uplink_wire_bytes,
                      .downlink_wire_bytes = end.traffic.downlink_wire_bytes,
                      .resets = odometry.resets,
+                     .standstill_s = to_seconds(odometry.standstill),
                      .input_faults = end.faults,
                      .interrupted = end.interrupted,
                      .wall_s = end.wall_s,

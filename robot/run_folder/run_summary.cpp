@@ -48,6 +48,7 @@ json to_json(const RunSummary& summary, const RunTimes& times) {
           {"first_localization_s", optional(times.first_localization_s)},
           {"coverage", optional(times.coverage)},
           {"resets", summary.resets},
+          {"standstill_s", summary.standstill_s},
           {"input_faults", summary.input_faults},
           {"max_rss_bytes", summary.max_rss_bytes}};
 }

@@ -43,6 +43,7 @@ TEST_F(Summary, HasEveryKeyEvenOfARunWithoutFrames) {
                           "first_localization_s",
                           "coverage",
                           "resets",
+                          "standstill_s",
                           "max_rss_bytes"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
@@ -65,6 +66,7 @@ TEST_F(Summary, TakesOverTheFiguresOfTheRun) {
   figures.uplink_wire_bytes = 17;
   figures.downlink_wire_bytes = 18;
   figures.resets = 19;
+  figures.standstill_s = 20.5;
   figures.max_rss_bytes = std::uint64_t{1} << 33U;
   figures.wall_s = 2.5;
   figures.cpu_s = 1.5;
@@ -81,6 +83,7 @@ TEST_F(Summary, TakesOverTheFiguresOfTheRun) {
   EXPECT_EQ(json.at("uplink_wire_bytes"), 17);
   EXPECT_EQ(json.at("downlink_wire_bytes"), 18);
   EXPECT_EQ(json.at("resets"), 19);
+  EXPECT_EQ(json.at("standstill_s"), 20.5);
   EXPECT_EQ(json.at("max_rss_bytes"), std::uint64_t{1} << 33U);
   EXPECT_EQ(json.at("wall_s"), 2.5);
   EXPECT_EQ(json.at("cpu_s"), 1.5);
