@@ -50,16 +50,6 @@ XMLElement* profiles_of(XMLDocument& document) {
   return root->FirstChildElement("profiles");
 }
 
-XMLElement* profile_like(XMLElement& profiles, const XMLElement& wanted) {
-  const char* name = wanted.Attribute(kProfileName);
-  if (name == nullptr) return nullptr;
-  for (XMLElement* it = profiles.FirstChildElement(wanted.Name()); it != nullptr;
-       it = it->NextSiblingElement(wanted.Name())) {
-    if (it->Attribute(kProfileName, name) != nullptr) return it;
-  }
-  return nullptr;
-}
-
 bool is_list(const XMLElement& element) {
   return std::string_view(element.Name()).ends_with("List");
 }
@@ -78,21 +68,6 @@ void lay_over(const XMLElement& over, XMLElement& base) {
   }
 }
 
-// Lays the profiles of `file` over those of its base.
-void lay_over(XMLDocument& document, const std::filesystem::path& file, XMLDocument& base) {
-  XMLElement* profiles = profiles_of(document);
-  XMLElement* base_profiles = profiles_of(base);
-  if (profiles == nullptr || base_profiles == nullptr) fail(file, "no profiles");
-  for (XMLElement* it = profiles->FirstChildElement(); it != nullptr;
-       it = it->NextSiblingElement()) {
-    XMLElement* old = profile_like(*base_profiles, *it);
-    if (old == nullptr) {
-      fail(file, "its base has no such profile as in line " + std::to_string(it->GetLineNum()));
-    }
-    lay_over(*it, *old);
-  }
-}
-
 bool is_address(const std::string& text) {
   in_addr ignored{};
   return inet_pton(AF_INET, text.c_str(), &ignored) == 1;
@@ -101,6 +76,46 @@ bool is_address(const std::string& text) {
 std::string text_in(const XMLElement* parent, const char* name) {
   const XMLElement* element = parent == nullptr ? nullptr : parent->FirstChildElement(name);
   return element == nullptr || element->GetText() == nullptr ? "" : element->GetText();
+}
+
+// What a profile, or a transport in the list of them, is told apart by; that list itself by
+// nothing.
+std::string name_of(const XMLElement& element) {
+  const char* name = element.Attribute(kProfileName);
+  return name == nullptr ? text_in(&element, "transport_id") : name;
+}
+
+XMLElement* namesake(XMLElement& parent, const XMLElement& wanted) {
+  for (XMLElement* it = parent.FirstChildElement(wanted.Name()); it != nullptr;
+       it = it->NextSiblingElement(wanted.Name())) {
+    if (name_of(*it) == name_of(wanted)) return it;
+  }
+  return nullptr;
+}
+
+// Lays the profiles and transports of `file` over those of its base.
+void lay_over(const XMLElement& profiles,
+              const std::filesystem::path& file,
+              XMLElement& base_profiles) {
+  for (const XMLElement* it = profiles.FirstChildElement(); it != nullptr;
+       it = it->NextSiblingElement()) {
+    XMLElement* old = namesake(base_profiles, *it);
+    if (old == nullptr) {
+      fail(file, "its base has no such profile as in line " + std::to_string(it->GetLineNum()));
+    }
+    if (name_of(*it).empty()) {
+      lay_over(*it, file, *old);
+    } else {
+      lay_over(*it, *old);
+    }
+  }
+}
+
+void lay_over(XMLDocument& document, const std::filesystem::path& file, XMLDocument& base) {
+  const XMLElement* profiles = profiles_of(document);
+  XMLElement* base_profiles = profiles_of(base);
+  if (profiles == nullptr || base_profiles == nullptr) fail(file, "no profiles");
+  lay_over(*profiles, file, *base_profiles);
 }
 
 NamedPeer peer_at(const XMLElement& locator) {

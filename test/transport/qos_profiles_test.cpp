@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -98,6 +99,36 @@ TEST_F(QosProfilesTest, TakeFromTheProfileOfTheirBaseWhatTheirsDoesNotSay) {
   const auto& list = qos.wire_protocol().builtin.initialPeersList;
   ASSERT_EQ(list.size(), 1);
   EXPECT_EQ(eprosima::fastrtps::rtps::IPLocator::toIPv4string(*list.begin()), "10.0.0.2");
+}
+
+std::string transport(const std::string& elements) {
+  return "<transport_descriptors><transport_descriptor><transport_id>of_test</transport_id>" +
+         elements + "</transport_descriptor></transport_descriptors>";
+}
+std::string interface(const std::string& address) {
+  return "<interfaceWhiteList><address>" + address + "</address></interfaceWhiteList>";
+}
+
+TEST_F(QosProfilesTest, TakeFromTheTransportOfTheirBaseWhatTheirsDoesNotSay) {
+  written("transport_base.xml",
+          transport("<type>UDPv4</type><maxMessageSize>5000</maxMessageSize>" +
+                    interface("127.0.0.1")) +
+              participant("transported",
+                          "<userTransports><transport_id>of_test</transport_id></userTransports>"));
+  load_qos_profiles(
+      written("transport_over.xml",
+              transport(interface("127.0.0.2")),
+              " xmlns:fleetloc=\"fleetloc\" fleetloc:based_on=\"transport_base.xml\""));
+  dds::DomainParticipantQos qos;
+  auto* factory = dds::DomainParticipantFactory::get_instance();
+  ASSERT_EQ(factory->get_participant_qos_from_profile("transported", qos),
+            ReturnCode_t::RETCODE_OK);
+  ASSERT_EQ(qos.transport().user_transports.size(), 1U);
+  const auto udp = std::dynamic_pointer_cast<eprosima::fastdds::rtps::UDPv4TransportDescriptor>(
+      qos.transport().user_transports.front());
+  ASSERT_TRUE(udp);
+  EXPECT_EQ(udp->maxMessageSize, 5000U);
+  EXPECT_THAT(udp->interfaceWhiteList, ElementsAre("127.0.0.2"));
 }
 
 TEST_F(QosProfilesTest, RefuseAProfileThatTheirBaseDoesNotHave) {
