@@ -1,10 +1,10 @@
 #!/bin/sh
-# fleetloc-container robot|cloud [OPTION...]   what the images start
-# Runs fleetloc-robot or fleetloc-cloud as the environment says, with further options behind. What
-# the program says goes to the container's log and to /runs/NAME.log, what it writes to /runs/NAME;
-# what earlier starts have written is kept there as NAME.1, NAME.2 and so on.
+# fleetloc-container robot|cloud|drivers [OPTION...]   what the images start
+# Runs fleetloc-robot, fleetloc-cloud or fleetloc-play as the environment says, with further options
+# behind. What robots and localizers say goes to the container's log and to /runs/NAME.log, what they
+# write to /runs/NAME; what earlier starts have written is kept there as NAME.1, NAME.2 and so on.
 #
-# fleetloc-container is-written FILE           their health check
+# fleetloc-container is-written FILE                    their health check
 # Whether FILE of that folder has been written to within the last 5 s.
 set -eu
 
@@ -15,19 +15,46 @@ fail() {
   exit 2
 }
 
-# Puts the number that compose gives each container of a service in place of %n in an id.
+# CONTAINER.NETWORK by each of this container's addresses, behind it.
+names() {
+  for address in $(hostname -i); do
+    getent -s dns hosts "$address" | awk '{print $1, $2; exit}'
+  done
+}
+
+# Puts the number that compose gives each container of a service in place of %n.
 numbered() {
   case $1 in
     *%n*)
-      address=$(hostname -i)
-      name=$(getent -s dns hosts "${address%% *}" | awk '{print $2; exit}')
-      name=${name%%.*}
+      name=$(names | awk '{sub(/[.].*/, "", $2); print $2; exit}')
       number=${name##*[!0-9]}
       [ -n "$number" ] || fail "'$1': this container's name '$name' ends with no number"
       echo "${1%%%n*}$number${1#*%n}"
       ;;
     *) echo "$1" ;;
   esac
+}
+
+# The file for --sensors. Where drivers are on a network: a copy for it, with one domain of ROS 2 for
+# the robot and the drivers of each number, of which the drivers look for the robot.
+sensors() {  # robot|drivers
+  [ -n "${FLEETLOC_SENSORS_NETWORK:-}" ] || { echo "$FLEETLOC_SENSORS"; return; }
+  own=$(names | awk -v network="$FLEETLOC_SENSORS_NETWORK" '$2 ~ network "$" {print; exit}')
+  [ -n "$own" ] || fail "FLEETLOC_SENSORS_NETWORK: not in a network $FLEETLOC_SENSORS_NETWORK"
+  address=${own%% *} other=$address
+  if [ "$1" = drivers ]; then
+    robot=$(echo "${own##* }" | sed 's/[.].*//; s/drivers/robot/')
+    other=$(getent ahostsv4 "$robot" | awk '{print $1; exit}')
+    [ -n "$other" ] || fail "no container $robot"
+  fi
+  domain=$(numbered %n) || exit
+  profiles=$(echo /usr/share/fleetloc/*/qos_profiles)  # one in each image
+  cp "$profiles/ros2.xml" /tmp
+  sed "s/192\.168\.2\.1/$address/; s/192\.168\.2\.2/$other/" "$profiles/ros2-network.xml" \
+    >/tmp/ros2-network.xml
+  sed "s|DATASET|$FLEETLOC_DATASET|; s/^domain: .*/domain: $domain\nqos: ros2-network.xml/" \
+    "$FLEETLOC_SENSORS" >/tmp/sensors.yaml
+  echo /tmp/sensors.yaml
 }
 
 keep_earlier() {  # NAME
@@ -63,11 +90,19 @@ part=${1:-}
 case $part in
   robot)
     name=$(numbered "$FLEETLOC_ROBOT_ID")
-    set -- --robot-id "$name" --dataset "$FLEETLOC_DATASET" --qos "$FLEETLOC_QOS" \
-      --domain "$FLEETLOC_DOMAIN" ${FLEETLOC_LINK:+--link "$FLEETLOC_LINK"} "$@"
+    set -- --robot-id "$name" --qos "$FLEETLOC_QOS" --domain "$FLEETLOC_DOMAIN" \
+      ${FLEETLOC_LINK:+--link "$FLEETLOC_LINK"} "$@"
     # Beside a dataset, the pose to start from.
-    if [ -f "$FLEETLOC_DATASET.start" ]; then
-      set -- --initial-pose "$(cat "$FLEETLOC_DATASET.start")" "$@"
+    start=$FLEETLOC_DATASET.start
+    if [ -n "${FLEETLOC_SENSORS:-}" ]; then
+      sensors=$(sensors robot)
+      set -- --sensors "$sensors" --last-pose "/runs/$name.last_pose.yaml" "$@"
+      [ ! -e "/runs/$name.last_pose.yaml" ] || start=
+    else
+      set -- --dataset "$FLEETLOC_DATASET" "$@"
+    fi
+    if [ -f "$start" ]; then
+      set -- --initial-pose "$(cat "$start")" "$@"
     fi
     ;;
   cloud)
@@ -75,12 +110,16 @@ case $part in
     set -- --map "$FLEETLOC_MAP" --name "$name" --qos "$FLEETLOC_QOS" --domain "$FLEETLOC_DOMAIN" \
       "$@"
     ;;
+  drivers)
+    sensors=$(sensors drivers)
+    exec fleetloc-play "$FLEETLOC_DATASET" --sensors "$sensors" "$@"
+    ;;
   is-written)
     [ -n "$(find "$folder/$1" -size +0 -newermt '5 seconds ago' 2>/dev/null)" ] && exit 0
     echo "$folder/$1: nothing new for 5 s" >&2
     exit 1
     ;;
-  *) fail "usage: fleetloc-container robot|cloud [OPTION...], or is-written FILE" ;;
+  *) fail "usage: fleetloc-container robot|cloud|drivers [OPTION...], or is-written FILE" ;;
 esac
 keep_earlier "$name"
 ln -sfn "/runs/$name" "$folder"

@@ -8,10 +8,11 @@ usage: deploy/docker/up.sh [--robots N] [--packages | --no-build] [--out DIR]
 
 Builds the images fleetloc-robot, fleetloc-cloud and fleetloc-tools, then runs the demo's made-up
 world (see deploy/demo.sh) in containers: two localizers and N robots on networks of their own, each
-robot with its poor link. Writes run folders, logs and report.html to DIR. Needs Docker, and either
-`docker compose` or `docker-compose`. World and map are kept in volumes for the next time.
+robot with its poor link, and with drivers that play what it sees as topics of ROS 2. Writes run
+folders, logs and report.html to DIR. Needs Docker, and either `docker compose` or `docker-compose`.
+World and map are kept in volumes for the next time.
 
---robots N   default: 2; half of them drive one way, half the other
+--robots N   1 to 200, default 2; half of them drive one way, half the other
 --packages   does not compile: takes the packages that are in build/packages (deploy/package.sh)
 --no-build   takes the images as they are
 --out DIR    default: out/docker
@@ -41,8 +42,9 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-case $robots in
-  '' | 0* | *[!0-9]* | ????*) refuse "--robots: '$robots' is not a number from 1 to 999" ;;
+case $robots in  # each robot of a site has a domain of ROS 2, of 100
+  '' | 0* | *[!0-9]* | ????* | 2?[1-9] | 2[1-9]? | [3-9]??)
+    refuse "--robots: '$robots' is not a number from 1 to 200" ;;
 esac
 project=${FLEETLOC_PROJECT:-fleetloc}
 base=${FLEETLOC_BASE:-debian:bookworm-slim}
@@ -139,33 +141,36 @@ name_robots() {
 
 state() { docker inspect -f '{{.State.Status}} {{.State.ExitCode}} {{.Name}}' "$@"; }
 
-# Until all robots have ended, who have to succeed before a localizer ends.
-wait_for_robots() {
+# Until all drivers have played to the end; nobody else may end before.
+wait_for_drivers() {
+  drivers=$(compose ps -q drivers_east drivers_west 2>>"$log")
   robot_containers=$(compose ps -q robot_east robot_west 2>>"$log")
   localizers=$(compose ps -q localizer_1 localizer_2 2>>"$log")
   while :; do
-    # shellcheck disable=SC2086  # a list
-    ended=$(state $localizers | grep -v '^r' || true)
-    [ -z "$ended" ] || fail "a localizer has ended too early: $ended$(last_words)"
+    # shellcheck disable=SC2086  # lists
+    ended=$(state $localizers $robot_containers | grep -v '^r' || true)
+    [ -z "$ended" ] || fail "ended too early: $ended$(last_words)"
     # shellcheck disable=SC2086
-    states=$(state $robot_containers)
+    states=$(state $drivers)
     failed=$(echo "$states" | grep '^exited' | grep -v '^exited 0 ' || true)
-    [ -z "$failed" ] || fail "a robot has failed: $failed$(last_words)"
+    [ -z "$failed" ] || fail "drivers have failed: $failed$(last_words)"
     echo "$states" | grep -qv '^exited 0 ' || return 0
     sleep 1
   done
 }
 last_words() {
-  compose logs --tail 3 localizer_1 localizer_2 robot_east robot_west 2>/dev/null | sed 's/^/\n  /'
+  compose logs --tail 3 localizer_1 localizer_2 robot_east robot_west drivers_east drivers_west 2>/dev/null | sed 's/^/\n  /'
 }
 
-stop_localizers() {
+stop() {  # WHAT CONTAINERS SERVICE...
+  what=$1 containers=$2
+  shift 2
   since_stop=$(date +%s)
-  quietly compose stop --timeout 20 localizer_1 localizer_2
+  quietly compose stop --timeout 20 "$@"
   # shellcheck disable=SC2086
-  failed=$(state $localizers | grep -v '^exited 0 ' || true)
-  [ -z "$failed" ] || fail "a localizer has not ended cleanly: $failed"
-  echo "   both localizers ended within $(($(date +%s) - since_stop)) s of SIGTERM"
+  failed=$(state $containers | grep -v '^exited 0 ' || true)
+  [ -z "$failed" ] || fail "has not ended cleanly: $failed"
+  echo "   $what ended within $(($(date +%s) - since_stop)) s of SIGTERM"
 }
 
 if [ $build != none ]; then
@@ -185,13 +190,16 @@ finish
 
 begin "run: 2 localizers, robots$ids"
 quietly compose up -d --no-build --scale "robot_east=$east" --scale "robot_west=$west" \
-  localizer_1 localizer_2 robot_east robot_west
+  --scale "drivers_east=$east" --scale "drivers_west=$west" \
+  localizer_1 localizer_2 robot_east robot_west drivers_east drivers_west
 # shellcheck disable=SC2086  # lists
 compose run --rm -T --name "$monitor" tools fleetloc-monitor --run $runs --ground-truth $truths \
   --localizer /runs/localizer_1 /runs/localizer_2 2>>"$log" &
-wait_for_robots
-wait $! || fail "the monitor failed"
-stop_localizers
+watch=$!
+wait_for_drivers
+stop "all robots" "$robot_containers" robot_east robot_west
+wait "$watch" || fail "the monitor failed"
+stop "both localizers" "$localizers" localizer_1 localizer_2
 finish
 
 begin report
