@@ -10,11 +10,13 @@ Duration max_imu_step(const VisualInertialOdometry::Config& config) {
 
 VisualInertialOdometry::Config read_odometry_config(ConfigReader config) {
   const VioConfig vio = read_vio_config(config.section("vio"));
+  ConfigReader standstill = config.section("standstill");
   return {.tracking = read_feature_tracker_config(config.section("tracking")),
           .initializer = vio.initializer,
           .frame_estimator = vio.frame_estimator,
           .health = read_odometry_health_config(config.section("health")),
-          .standstill = read_standstill_config(config.section("standstill"))};
+          .standstill = read_standstill_config(standstill),
+          .holds_without_place = from_seconds(standstill.positive("without_place_s"))};
 }
 
 KeyframeWorker::Config read_keyframe_worker_config(ConfigReader config) {

@@ -24,7 +24,8 @@ VisualInertialOdometry::VisualInertialOdometry(const StereoCalibration& calibrat
       initializer_(rectified(calibration), imu_noise, config.initializer),
       frame_estimator_(rectified(calibration), imu_noise, config.frame_estimator),
       health_(config.health),
-      standstill_(config.standstill) {}
+      standstill_(config.standstill),
+      holds_without_place_(config.holds_without_place) {}
 
 expected<void, ResetCause> VisualInertialOdometry::add_imu(const ImuSample& sample) {
   const bool is_gap = last_imu_ && sample.stamp - *last_imu_ > max_imu_step_;
@@ -67,10 +68,7 @@ OdometryFrame VisualInertialOdometry::track(CameraFrame frame) {
 std::optional<OdometryFrame> VisualInertialOdometry::stay(const CameraFrame& frame) {
   const TrackedFrame tracks = front_end_.peek(frame);
   const auto result = frame_estimator_.estimate(tracks, imu_);
-  const bool stays =
-      standstill_allowed_ && result &&
-      standstill_.update(tracks.stamp, result->estimate.state.T_odom_body, result->vision_updated);
-  if (!stays) {
+  if (!result || !still_since(tracks.stamp, *result)) {
     held_.reset();
     return std::nullopt;
   }
@@ -155,11 +153,18 @@ OdometryFrame VisualInertialOdometry::estimate(const TrackedFrame& frame) {
     return output;
   }
   output.estimate = result->estimate;
-  const auto still_since =
-      standstill_.update(frame.stamp, result->estimate.state.T_odom_body, result->vision_updated);
-  if (still_since && standstill_allowed_) hold(result->estimate, *still_since);
+  if (const auto since = still_since(frame.stamp, *result)) hold(result->estimate, *since);
   output.keyframe = result->wants_keyframe && !back_end_busy_ && add_keyframe(frame, *result);
   return output;
+}
+
+// Since when the body stands, if its pose may be held.
+std::optional<Timestamp> VisualInertialOdometry::still_since(Timestamp stamp,
+                                                             const FrameEstimator::Result& result) {
+  const auto since =
+      standstill_.update(stamp, result.estimate.state.T_odom_body, result.vision_updated);
+  const bool holds = since && (is_place_known_ || stamp - *since >= holds_without_place_);
+  return holds ? since : std::nullopt;
 }
 
 void VisualInertialOdometry::hold(const OdometryEstimate& estimate, Timestamp since) {

@@ -79,6 +79,7 @@ class VisualInertialOdometry {
     FrameEstimator::Config frame_estimator;
     OdometryHealth::Config health;
     StandstillDetector::Config standstill;
+    Duration holds_without_place{};  ///< after a standstill of that long, see set_place_known()
   };
 
   enum class Phase {
@@ -101,9 +102,10 @@ class VisualInertialOdometry {
   /// Stamps increase. The frame is tracked by track_next() once the IMU covers its stamp.
   void add_frame(CameraFrame frame) { pending_.push_back(std::move(frame)); }
 
-  /// Whether the pose may be held where the body stands still; at first it may not. While somebody
-  /// waits for keyframes, as for a first place in the map, it may not either.
-  void allow_standstill(bool allowed) { standstill_allowed_ = allowed; }
+  /// Whether nobody waits for keyframes, as for a first place in the map; at first somebody does.
+  /// Then the pose is held only after some more seconds of a standstill: those that follow show
+  /// nothing new.
+  void set_place_known(bool known) { is_place_known_ = known; }
 
   /// Tracks the oldest frame that was added; nothing if the IMU does not reach it yet.
   std::optional<OdometryFrame> track_next();
@@ -139,6 +141,7 @@ class VisualInertialOdometry {
   OdometryFrame track(CameraFrame frame);
   OdometryFrame follow(CameraFrame frame);
   std::optional<OdometryFrame> stay(const CameraFrame& frame);
+  std::optional<Timestamp> still_since(Timestamp stamp, const FrameEstimator::Result& result);
   void hold(const OdometryEstimate& estimate, Timestamp since);
   void initialize(const TrackedFrame& frame, std::optional<Timestamp> previous);
   void begin(Initialization initialization);
@@ -156,7 +159,8 @@ class VisualInertialOdometry {
   FrameEstimator frame_estimator_;
   OdometryHealth health_;
   StandstillDetector standstill_;
-  bool standstill_allowed_ = false;
+  Duration holds_without_place_;
+  bool is_place_known_ = false;
   std::optional<Held> held_;  // while the body stands still
   ImuBuffer imu_;
   std::optional<Timestamp> last_imu_;

@@ -70,7 +70,7 @@ void RobotPipeline::place(const GivenPose& given) {
 
 void RobotPipeline::poll(Timestamp stamp) {
   const Timestamp now = time_.time_of(stamp);
-  odometry_.allow_standstill(localizer_ == nullptr || latest_pose_.quality == Quality::kLocalized);
+  odometry_.set_place_known(localizer_ == nullptr || latest_pose_.quality == Quality::kLocalized);
   if (localizer_ != nullptr) localizer_->update(now, latest_pose_.quality);
   take_window(now);
   if (localizer_ != nullptr) fuse_answers(now);

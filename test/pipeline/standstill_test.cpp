@@ -137,8 +137,8 @@ TEST(ParkedRobot, HoldsItsPoseForAnHourAndDrivesOn) {
   expect_at_rest(Parked(3600.0));
 }
 
-TEST(ParkedRobot, HoldsItsPoseInTheDark) {
-  expect_at_rest(Parked(120.0, [](TrackedFrame& frame) { frame.observations.clear(); }));
+TEST(ParkedRobot, HoldsItsPoseForAnHourInTheDark) {
+  expect_at_rest(Parked(3600.0, [](TrackedFrame& frame) { frame.observations.clear(); }));
 }
 
 // Two of ten features are on people who walk away within three seconds, each time anew, and two

@@ -21,6 +21,8 @@ const fs::path kRecipe = FLEETLOC_SOURCE_DIR "/test/system/simulated_flight.cpp"
 // Sanitized programs only get a few seconds: their figures are judged nowhere.
 constexpr const char* kRoomDuration = kSanitized ? "12" : "44";   // [s]
 constexpr const char* kStreetDuration = kSanitized ? "2" : "24";  // [s]
+constexpr const char* kParkedRest = kSanitized ? "1" : "40";      // [s]
+constexpr const char* kParkedDuration = kSanitized ? "2" : "52";  // [s]
 
 void simulate(const fs::path& out, const char* duration_s, Words words) {
   const fs::path config = out.parent_path() / "ten_hertz.yaml";
@@ -58,6 +60,19 @@ void make_street(const fs::path& folder) {
   simulate(folder / "flight", kStreetDuration, seen);
 }
 
+// The drive along the street, once the robot has stood at its begin.
+void make_parked(const fs::path& folder) {
+  std::cout << "making " << folder << ": " << kParkedDuration << " s on a street" << std::endl;
+  std::string route = content_of(kWorlds / "quad.yaml");
+  const std::string rest = "rest_s: 2.5";
+  route.replace(route.find(rest), rest.size(), std::string("rest_s: ") + kParkedRest);
+  std::ofstream(folder / "route.yaml") << route;
+  simulate(
+      folder / "flight",
+      kParkedDuration,
+      {"--scene", kWorlds / "campus.yaml", "--route", folder / "route.yaml", "--season", "autumn"});
+}
+
 RecordedFlight kept_flight(const fs::path& kept) {
   const fs::path flight = kept / "flight";
   return {.folder = flight,
@@ -79,6 +94,16 @@ RecordedFlight simulated_street() {
        {FLEETLOC_SIM, FLEETLOC_MAP, kWorlds / "campus.yaml", kWorlds / "quad.yaml", kRecipe},
        make_street);
   return kept_flight(folder);
+}
+
+RecordedFlight simulated_parked() {
+  RecordedFlight street = simulated_street();
+  const fs::path folder = kKept / "parked";
+  keep(
+      folder, {FLEETLOC_SIM, kWorlds / "campus.yaml", kWorlds / "quad.yaml", kRecipe}, make_parked);
+  RecordedFlight parked = kept_flight(folder);
+  parked.map = street.map;
+  return parked;
 }
 
 }  // namespace fleetloc

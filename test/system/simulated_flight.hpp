@@ -12,5 +12,7 @@ namespace fleetloc {
 RecordedFlight simulated_room();
 /// 24 s along a street of the campus in autumn, from rest; the map is a survey's, in summer.
 RecordedFlight simulated_street();
+/// A robot that stands at the begin of that street for 40 s, and then drives along it for 12 s.
+RecordedFlight simulated_parked();
 
 }  // namespace fleetloc
