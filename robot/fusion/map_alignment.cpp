@@ -125,12 +125,13 @@ void MapAlignment::carry_error_to(const Eigen::Vector3d& p_map_body) {
   error_p_map_body_ = p_map_body;
 }
 
-// An answer whose window contains the earlier one's cannot be less certain. Where it is, the
-// earlier one was too certain, as along a direction that the map hardly constrains and that turns
-// as more is seen of it: its error becomes that uncertain, and with it what T_map_odom has of it.
-// Otherwise two such answers would cross at a point.
+// An answer whose window contains the earlier one's, or that looks at the same from the same place,
+// cannot be less certain. Where it is, the earlier one was too certain, as along a direction that
+// the map hardly constrains and that turns as more is seen of it: its error becomes that uncertain,
+// and with it what T_map_odom has of it. Otherwise two such answers would cross at a point.
 void MapAlignment::widen_error(const LocalizationMeasurement& answer) {
-  if (answer.oldest_stamp > error_oldest_stamp_) return;
+  const bool contains = answer.oldest_stamp <= error_oldest_stamp_;
+  if (!contains && metres_since_error_ > config_.same_view_m) return;
   const Matrix6d J = error_root_.ldlt().solve(answer.root_map);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(J * J.transpose());
   const Matrix6d& V = eigen.eigenvectors();
@@ -218,6 +219,7 @@ AnswerOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
 MapAlignment::Config read_map_alignment_config(ConfigReader section) {
   MapAlignment::Config config;
   config.correlation_distance_m = section.positive("correlation_distance_m");
+  config.same_view_m = section.positive("same_view_m");
   config.noise.white_share = section.positive("white_share");
   if (config.noise.white_share > 1.0) {
     throw ConfigError("fusion.answers.white_share: must be at most 1");

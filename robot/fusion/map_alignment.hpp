@@ -21,6 +21,7 @@ class MapAlignment {
     /// Of u: answers share the errors of their common keyframes, and those of the map along the
     /// way; whichever is more counts.
     double correlation_distance_m = 0.0;
+    double same_view_m = 0.0;           ///< answers from within this see the same
     double gate_chi_square = 0.0;       ///< of an answer, 6 degrees of freedom
     double map_tilt = 0.0;              ///< sigma of roll and pitch of T_map_odom [rad]
     double tilt_gate_chi_square = 0.0;  ///< 2 degrees of freedom

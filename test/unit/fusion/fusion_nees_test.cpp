@@ -240,5 +240,27 @@ TEST(FusionNees, IsNoBetterThanTheLastAnswerOfAGrowingWindow) {
   EXPECT_GT(ratio.eigenvalues()(0), 0.7);
 }
 
+// Nor do many answers at one place, each of which has forgotten the first keyframes of the one
+// before: they all look at the same.
+TEST(FusionNees, IsNoBetterThanTheBestAnswerOfASlidingWindowAtRest) {
+  FedFusion fed;
+  fed.drive.speed = 0.0;
+  fed.drive_to(2.5);
+  Matrix6d best = Matrix6d::Zero();
+  for (int i = 0; i < 20; ++i) {
+    const double t = 3.0 + 0.5 * i;
+    LocalizationResult said =
+        loose_answer(t, true_T_map_odom() * fed.drive.pose(t), i % 2 == 0 ? 0.03 : -0.04);
+    said.oldest_stamp = at(t - kWindow);
+    best = said.covariance;
+    fed.drive_to(t + 0.3);
+    EXPECT_EQ(name(fed.fusion.add_answer(said)), "applied");
+  }
+  const Matrix6d found = fed.fusion.estimate_at(at(12.5))->covariance_map;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(found, best);
+  std::cout << "variances by those of the answer: " << ratio.eigenvalues().transpose() << '\n';
+  EXPECT_GT(ratio.eigenvalues()(0), 0.7);
+}
+
 }  // namespace
 }  // namespace fleetloc
