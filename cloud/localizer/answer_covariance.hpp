@@ -17,10 +17,12 @@ struct AnswerCovariance {
 /// The marginal of `system`. Along directions that the map does not constrain it is raised to the
 /// covariance of `prior`, carried to the newest keyframe by the odometry of `problem`: what the
 /// optimization adds to the prior there is not the map's.
+/// @param rivals  of the keyframe of `prior`: RigidAlignment::Result::rivals
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
-                                                  const PosePrior& prior);
+                                                  const PosePrior& prior,
+                                                  const Matrix6d& rivals);
 
 }  // namespace fleetloc

@@ -13,8 +13,9 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kMaxScore = 9.0;  // of a landmark: three sigmas, squared
-constexpr double kMaxSteps = 8.0;  // of starts along an axis, to either side
+constexpr double kMaxScore = 9.0;    // of a landmark: three sigmas, squared
+constexpr double kMaxSteps = 8.0;    // of starts along an axis, to either side
+constexpr double kSamePlace = 0.05;  // [m, rad]
 
 std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int max_count) {
   const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
@@ -99,13 +100,21 @@ void add_match(const MapMatch& match,
   for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis));
 }
 
+// The direction of a shift, level, with the largest variance.
+Eigen::Vector3d weakest_shift(const Matrix6d& H) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H.inverse().block<2, 2>(3, 3));
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  direction.head<2>() = eigen.eigenvectors().col(1);
+  return direction;
+}
+
 }  // namespace
 
-Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
-                           const PoseWithCovariance& prior,
-                           const Gates& gates,
-                           const std::optional<Pose>& guess) const {
-  if (landmarks.empty()) return Pose{};
+RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
+                                             const PoseWithCovariance& prior,
+                                             const Gates& gates,
+                                             const std::optional<Pose>& guess) const {
+  if (landmarks.empty()) return {};
   const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(some.size());
@@ -116,7 +125,40 @@ Pose RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
   std::vector<Aligned> results;
   results.reserve(starts.size());
   for (const Pose& start : starts) results.push_back(descend(some, prior, gates, start));
-  return std::ranges::min_element(results, {}, &Aligned::score)->T_new_old;
+  const Aligned best = *std::ranges::min_element(results, {}, &Aligned::score);
+  // Places beside it are looked for where the map holds the window least.
+  const Gates near{association_.gate_sigmas * gates.final_m, gates.final_m};
+  for (int step = -config_.rival_steps; step <= config_.rival_steps; ++step) {
+    Pose start = best.T_new_old;
+    start.p += step * config_.rival_step_m * best.weakest;
+    if (step != 0) results.push_back(descend(some, prior, near, start));
+  }
+  return {best.T_new_old, spread(results, best, best.T_new_old * prior.T_map_body)};
+}
+
+// Of two starts that have come to one place only the better one counts.
+Matrix6d RigidAlignment::spread(const std::vector<Aligned>& results,
+                                const Aligned& best,
+                                const Pose& T_map_body) const {
+  const Pose T_old_body = inverse(best.T_new_old) * T_map_body;
+  std::vector<Aligned> places;
+  std::vector<Aligned> by_score = results;
+  std::ranges::sort(by_score, {}, &Aligned::score);
+  double odds_of_all = 0.0;
+  Matrix6d result = Matrix6d::Zero();
+  for (const Aligned& place : by_score) {
+    const auto is_there = [&](const Aligned& other) {
+      return local_coordinates(other.T_new_old * T_old_body, place.T_new_old * T_old_body).norm() <
+             kSamePlace;
+    };
+    if (std::ranges::any_of(places, is_there)) continue;
+    places.push_back(place);
+    const Vector6d beside = local_coordinates(T_map_body, place.T_new_old * T_old_body);
+    const double odds = std::exp((best.score - place.score) / config_.rival_score);
+    odds_of_all += odds;
+    result += odds * beside * beside.transpose();
+  }
+  return result / odds_of_all;
 }
 
 RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark>& landmarks,
@@ -142,6 +184,7 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
     const Vector6d step = -system.H.ldlt().solve(system.g);
     result.T_new_old =
         motion_of(step.head<3>(), step.tail<3>(), motion.center_map) * result.T_new_old;
+    result.weakest = weakest_shift(system.H);
   }
   result.score = score(landmarks, prior, gates.final_m, result.T_new_old);
   return result;
@@ -170,7 +213,10 @@ RigidAlignment::Config read_rigid_alignment_config(ConfigReader section) {
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
           .start_sigmas = section.positive("start_sigmas"),
           .kernel = section.positive("kernel"),
-          .lifted_weight = section.number("lifted_weight", 0.0, 1.0)};
+          .lifted_weight = section.number("lifted_weight", 0.0, 1.0),
+          .rival_step_m = section.positive("rival_step_m"),
+          .rival_steps = section.integer("rival_steps", 0, 100),
+          .rival_score = section.positive("rival_score")};
 }
 
 }  // namespace fleetloc

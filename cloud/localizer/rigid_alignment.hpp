@@ -21,6 +21,9 @@ class RigidAlignment {
     double start_sigmas;   ///< distance of the starts from the prior, in its sigmas
     double kernel;         ///< Cauchy, in standard deviations
     double lifted_weight;  ///< of landmarks above level ground, as on snow
+    double rival_step_m;   ///< starts for rivals of the best place, along its weakest direction
+    int rival_steps;       ///< to either side
+    double rival_score;    ///< in which the odds of a rival fall by e
   };
   struct Gates {
     double first_m;
@@ -30,24 +33,34 @@ class RigidAlignment {
   RigidAlignment(const LaserMap& map, const AssociationConfig& association, const Config& config)
       : map_(map), association_(association), config_(config) {}
 
+  struct Result {
+    Pose T_new_old;  ///< in the map: x_map is to become T_new_old * x_map
+    /// What is to be added to the covariance of the prior's keyframe there (right perturbation),
+    /// since other places fit nearly as well: their mean square distance, by their odds.
+    Matrix6d rivals = Matrix6d::Zero();
+  };
+
   /// @param prior  of one keyframe of the window, at its present estimate
   /// @param guess  another start, as T_new_old
-  /// @return T_new_old in the map: x_map is to become T_new_old * x_map
-  [[nodiscard]] Pose align(const std::vector<WindowLandmark>& landmarks,
-                           const PoseWithCovariance& prior,
-                           const Gates& gates,
-                           const std::optional<Pose>& guess = std::nullopt) const;
+  [[nodiscard]] Result align(const std::vector<WindowLandmark>& landmarks,
+                             const PoseWithCovariance& prior,
+                             const Gates& gates,
+                             const std::optional<Pose>& guess = std::nullopt) const;
 
  private:
   struct Aligned {
     Pose T_new_old;
-    double score = 0.0;  // the smaller, the better
+    double score = 0.0;                                 // the smaller, the better
+    Eigen::Vector3d weakest = Eigen::Vector3d::Zero();  // direction of a shift, unit vector
   };
 
   [[nodiscard]] Aligned descend(const std::vector<WindowLandmark>& landmarks,
                                 const PoseWithCovariance& prior,
                                 const Gates& gates,
                                 const Pose& start) const;
+  [[nodiscard]] Matrix6d spread(const std::vector<Aligned>& results,
+                                const Aligned& best,
+                                const Pose& T_map_body) const;
   [[nodiscard]] double score(const std::vector<WindowLandmark>& landmarks,
                              const PoseWithCovariance& prior,
                              double gate_m,

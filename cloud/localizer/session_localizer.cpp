@@ -54,9 +54,13 @@ LocalizationResult SessionLocalizer::localize() {
 
   synchronize(window);
   const Prediction prediction = predict(window);
-  if (prediction.is_rough) problem_.move(align(prediction));
+  RigidAlignment::Result aligned;
+  if (prediction.is_rough) {
+    aligned = align(prediction);
+    problem_.move(aligned.T_new_old);
+  }
   const MapFit fit = fit_to_map(prediction);
-  expected<Solution, Rejection> solution = accept(prediction, fit);
+  expected<Solution, Rejection> solution = accept(prediction, fit, aligned.rivals);
 
   const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
   if (!solution) return rejected(solution.error(), diagnostics);
@@ -87,7 +91,7 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
 
 // The whole window as one rigid body. While the first place is unconfirmed, the one found last is a
 // start as well.
-Pose SessionLocalizer::align(const Prediction& prediction) const {
+RigidAlignment::Result SessionLocalizer::align(const Prediction& prediction) const {
   const KeyframeId keyframe = prediction.prior.keyframe;
   const PoseWithCovariance prior{problem_.pose(keyframe), prediction.prior.estimate.covariance};
   std::optional<Pose> guess;
@@ -146,12 +150,12 @@ void SessionLocalizer::restrain(const Prediction& prediction, const MapConstrain
 
 // The place first: the window is linearized only where its covariance is of use.
 expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
-    const Prediction& prediction, const MapFit& fit) {
+    const Prediction& prediction, const MapFit& fit, const Matrix6d& rivals) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
 
   WindowSystem system = problem_.system();
-  const auto stated = answer_covariance(problem_, system, fit.constraint, prediction.prior);
+  const auto stated = answer_covariance(problem_, system, fit.constraint, prediction.prior, rivals);
   const auto certain = acceptance_.check_certainty(stated);
   if (!certain) return unexpected(certain.error());
 

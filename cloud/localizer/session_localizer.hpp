@@ -102,10 +102,12 @@ class SessionLocalizer {
 
   void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
-  [[nodiscard]] Pose align(const Prediction& prediction) const;
+  [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   MapFit fit_to_map(const Prediction& prediction);
   void restrain(const Prediction& prediction, const MapConstraint& constraint);
-  expected<Solution, Rejection> accept(const Prediction& prediction, const MapFit& fit);
+  expected<Solution, Rejection> accept(const Prediction& prediction,
+                                       const MapFit& fit,
+                                       const Matrix6d& rivals);
   void store(const PoseWithCovariance& newest);
   LocalizationResult localized(Solution solution, const LocalizationDiagnostics& diagnostics);
   LocalizationResult rejected(Rejection reason, const LocalizationDiagnostics& diagnostics);

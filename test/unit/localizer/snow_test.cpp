@@ -33,7 +33,7 @@ TEST(Snow, DoesNotPullAStartUnderTheGround) {
     const auto landmarks = landmarks_of_yard(cleared_share);
     for (const double height : {-0.2, 0.0, 0.2}) {
       const Eigen::Vector3d error(0.2, -0.1, height);
-      const Pose T_new_old = alignment.align(moved(landmarks, error), prior, gates);
+      const Pose T_new_old = alignment.align(moved(landmarks, error), prior, gates).T_new_old;
       const Eigen::Vector3d rest = T_new_old * error;
       EXPECT_NEAR(rest.z(), 0.0, 0.12) << cleared_share << " cleared, from " << height;
       EXPECT_LT(rest.head<2>().norm(), 0.05) << cleared_share << " cleared, from " << height;
