@@ -44,6 +44,10 @@ void ChildProgram::signal(int number) const {
   process_.signal(number);
 }
 
+std::string ChildProgram::output() const {
+  return content_of(output_);
+}
+
 Outcome ChildProgram::wait() {
   const int exit_code = process_.wait().exit_code;
   return {.exit_code = exit_code, .output = content_of(output_), .errors = content_of(errors_)};

@@ -25,6 +25,8 @@ class ChildProgram {
   ChildProgram& operator=(const ChildProgram&) = delete;
 
   void signal(int number) const;
+  /// What it has said on its standard output so far.
+  [[nodiscard]] std::string output() const;
   /// Waits for its end.
   Outcome wait();
 
