@@ -55,7 +55,7 @@ struct RunSummary {
   std::uint64_t uplink_wire_bytes = 0;
   std::uint64_t downlink_wire_bytes = 0;
   std::uint64_t resets = 0;
-  double standstill_s = 0.0;  ///< for which the pose was held
+  double standstill_s = 0.0;                          ///< for which the pose was held
   std::map<std::string, std::uint64_t> input_faults;  ///< of the dataset, by kind
   bool interrupted = false;  ///< by a signal or an error, before the end of the input
   double wall_s = 0.0;
