@@ -100,9 +100,11 @@ void add_match(const MapMatch& match,
   for (int axis = 0; axis < 3; ++axis) add(Eigen::Vector3d::Unit(axis));
 }
 
-// The direction of a shift, level, with the largest variance.
-Eigen::Vector3d weakest_shift(const Matrix6d& H) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(H.inverse().block<2, 2>(3, 3));
+// The level direction in which a shift is the least certain, by the information of a turn and a
+// shift.
+Eigen::Vector3d weakest_shift(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
+      information.inverse().block<2, 2>(3, 3));
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   direction.head<2>() = eigen.eigenvectors().col(1);
   return direction;
@@ -125,40 +127,40 @@ RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& 
   std::vector<Aligned> results;
   results.reserve(starts.size());
   for (const Pose& start : starts) results.push_back(descend(some, prior, gates, start));
+  // Places beside the best one are looked for where the map holds the window least.
   const Aligned best = *std::ranges::min_element(results, {}, &Aligned::score);
-  // Places beside it are looked for where the map holds the window least.
+  const Eigen::Vector3d step_map = config_.rival_step_m * weakest_shift(best.information);
   const Gates near{association_.gate_sigmas * gates.final_m, gates.final_m};
   for (int step = -config_.rival_steps; step <= config_.rival_steps; ++step) {
-    Pose start = best.T_new_old;
-    start.p += step * config_.rival_step_m * best.weakest;
+    const Pose start{best.T_new_old.R, best.T_new_old.p + step * step_map};
     if (step != 0) results.push_back(descend(some, prior, near, start));
   }
-  return {best.T_new_old, spread(results, best, best.T_new_old * prior.T_map_body)};
+  std::ranges::sort(results, {}, &Aligned::score);
+  return {best.T_new_old, rivals_of(best, results, prior.T_map_body)};
 }
 
-// Of two starts that have come to one place only the better one counts.
-Matrix6d RigidAlignment::spread(const std::vector<Aligned>& results,
-                                const Aligned& best,
-                                const Pose& T_map_body) const {
-  const Pose T_old_body = inverse(best.T_new_old) * T_map_body;
-  std::vector<Aligned> places;
-  std::vector<Aligned> by_score = results;
-  std::ranges::sort(by_score, {}, &Aligned::score);
+// Of starts that have come to one place only the best one counts.
+// @param results  sorted by score
+Matrix6d RigidAlignment::rivals_of(const Aligned& best,
+                                   const std::vector<Aligned>& results,
+                                   const Pose& T_old_body) const {
+  const Pose chosen = best.T_new_old * T_old_body;
+  std::vector<Pose> places;
   double odds_of_all = 0.0;
-  Matrix6d result = Matrix6d::Zero();
-  for (const Aligned& place : by_score) {
-    const auto is_there = [&](const Aligned& other) {
-      return local_coordinates(other.T_new_old * T_old_body, place.T_new_old * T_old_body).norm() <
-             kSamePlace;
+  Matrix6d sum = Matrix6d::Zero();
+  for (const Aligned& result : results) {
+    const Pose place = result.T_new_old * T_old_body;
+    const auto is_there = [&](const Pose& other) {
+      return local_coordinates(other, place).norm() < kSamePlace;
     };
     if (std::ranges::any_of(places, is_there)) continue;
     places.push_back(place);
-    const Vector6d beside = local_coordinates(T_map_body, place.T_new_old * T_old_body);
-    const double odds = std::exp((best.score - place.score) / config_.rival_score);
+    const Vector6d beside = local_coordinates(chosen, place);
+    const double odds = std::exp((best.score - result.score) / config_.rival_score);
     odds_of_all += odds;
-    result += odds * beside * beside.transpose();
+    sum += odds * beside * beside.transpose();
   }
-  return result / odds_of_all;
+  return sum / odds_of_all;
 }
 
 RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark>& landmarks,
@@ -184,7 +186,7 @@ RigidAlignment::Aligned RigidAlignment::descend(const std::vector<WindowLandmark
     const Vector6d step = -system.H.ldlt().solve(system.g);
     result.T_new_old =
         motion_of(step.head<3>(), step.tail<3>(), motion.center_map) * result.T_new_old;
-    result.weakest = weakest_shift(system.H);
+    result.information = system.H;
   }
   result.score = score(landmarks, prior, gates.final_m, result.T_new_old);
   return result;

@@ -50,17 +50,17 @@ class RigidAlignment {
  private:
   struct Aligned {
     Pose T_new_old;
-    double score = 0.0;                                 // the smaller, the better
-    Eigen::Vector3d weakest = Eigen::Vector3d::Zero();  // direction of a shift, unit vector
+    double score = 0.0;                       // the smaller, the better
+    Matrix6d information = Matrix6d::Zero();  // of a turn about the keyframe and a shift, map axes
   };
 
   [[nodiscard]] Aligned descend(const std::vector<WindowLandmark>& landmarks,
                                 const PoseWithCovariance& prior,
                                 const Gates& gates,
                                 const Pose& start) const;
-  [[nodiscard]] Matrix6d spread(const std::vector<Aligned>& results,
-                                const Aligned& best,
-                                const Pose& T_map_body) const;
+  [[nodiscard]] Matrix6d rivals_of(const Aligned& best,
+                                   const std::vector<Aligned>& results,
+                                   const Pose& T_old_body) const;
   [[nodiscard]] double score(const std::vector<WindowLandmark>& landmarks,
                              const PoseWithCovariance& prior,
                              double gate_m,
