@@ -1,16 +1,16 @@
-// A robot that is switched on where it is parked, and drives off 40 s later: by images, replayed. It
-// sees too little there to be found in the map.
+// A robot that is switched on where it is parked, where it sees too little to be found in the map,
+// and drives off 40 s later: by images, replayed.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <sstream>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "deploy/evaluation/errors/diagnostics_file.hpp"
+#include "shared/core/time.hpp"
 #include "shared/geometry/so3.hpp"
 #include "shared/trajectory/tum_file.hpp"
 #include "test/system/simulated_flight.hpp"
@@ -21,26 +21,16 @@ namespace {
 constexpr double kHeld = 15.0;       // [s] after the first frame
 constexpr double kDrivesOff = 39.0;  // [s] likewise, a second early
 
+bool is_held(Duration since_begin) {
+  return since_begin >= from_seconds(kHeld) && since_begin <= from_seconds(kDrivesOff);
+}
+
 /// While it is held.
-double bytes_up_per_s(const std::filesystem::path& run, double begin_s) {
-  std::ifstream stream(run / "diagnostics.csv");
-  std::string line;
-  std::getline(stream, line);
-  const auto cells_of = [](const std::string& text) {
-    std::vector<std::string> cells;
-    std::istringstream words(text);
-    for (std::string cell; std::getline(words, cell, ',');) cells.push_back(cell);
-    return cells;
-  };
-  const auto names = cells_of(line);
-  const auto column = std::ranges::find(names, "uplink_bytes") - names.begin();
+/// @param begin  the first frame
+double bytes_up_per_s(const std::filesystem::path& run, Timestamp begin) {
   std::vector<double> bytes;
-  while (std::getline(stream, line)) {
-    const auto cells = cells_of(line);
-    const double t = std::stod(cells.front()) - begin_s;
-    if (t >= kHeld && t <= kDrivesOff) {
-      bytes.push_back(std::stod(cells.at(static_cast<std::size_t>(column))));
-    }
+  for (const FrameDiagnostics& frame : read_frame_diagnostics(run / "diagnostics.csv")) {
+    if (is_held(frame.stamp - begin)) bytes.push_back(frame.uplink_bytes);
   }
   return (bytes.back() - bytes.front()) / (kDrivesOff - kHeld);
 }
@@ -60,13 +50,12 @@ TEST(ParkedReplay, HoldsItsPoseAndThenDrivesOff) {
             "--out",
             folder});
 
-  const double begin_s = to_seconds(first_frame(flight.folder).time_since_epoch());
+  const Timestamp begin = first_frame(flight.folder);
   std::optional<Pose> held;
   double moved_m = 0.0;
   double turned_rad = 0.0;
   for (const auto& [stamp, T_odom_body] : read_trajectory(folder / "odometry.tum")) {
-    const double t = to_seconds(stamp.time_since_epoch()) - begin_s;
-    if (t < kHeld || t > kDrivesOff) continue;
+    if (!is_held(stamp - begin)) continue;
     if (!held) held = T_odom_body;
     moved_m = std::max(moved_m, (T_odom_body.p - held->p).norm());
     turned_rad = std::max(turned_rad, log_so3(held->R.conjugate() * T_odom_body.R).norm());
@@ -78,7 +67,7 @@ TEST(ParkedReplay, HoldsItsPoseAndThenDrivesOff) {
   const auto summary = parsed_json(folder / "summary.json");
   const double rmse_m =
       odometry_errors(folder, flight).at("translation_m").at("rmse").get<double>();
-  const double up = bytes_up_per_s(folder, begin_s);
+  const double up = bytes_up_per_s(folder, begin);
   std::cout << summary.dump() << "\nmoved " << 1e3 * moved_m << " mm, turned "
             << turned_rad * 180.0 / M_PI << " degrees, " << up << " B/s up; odometry " << rmse_m
             << " m\n";
