@@ -43,7 +43,7 @@ sensors() {  # robot|drivers
   [ -n "$own" ] || fail "FLEETLOC_SENSORS_NETWORK: not in a network $FLEETLOC_SENSORS_NETWORK"
   address=${own%% *} other=$address
   if [ "$1" = drivers ]; then
-    robot=$(echo "${own##* }" | sed 's/[.].*//; s/drivers/robot/')
+    robot=$(echo "${own##* }" | sed 's/[.].*//; s/\(.*\)drivers/\1robot/')
     other=$(getent ahostsv4 "$robot" | awk '{print $1; exit}')
     [ -n "$other" ] || fail "no container $robot"
   fi

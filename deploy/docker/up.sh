@@ -159,7 +159,8 @@ wait_for_drivers() {
   done
 }
 last_words() {
-  compose logs --tail 3 localizer_1 localizer_2 robot_east robot_west drivers_east drivers_west 2>/dev/null | sed 's/^/\n  /'
+  compose logs --tail 3 localizer_1 localizer_2 robot_east robot_west drivers_east drivers_west \
+    2>/dev/null | sed 's/^/\n  /'
 }
 
 stop() {  # WHAT CONTAINERS SERVICE...
