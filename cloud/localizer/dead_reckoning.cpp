@@ -82,6 +82,7 @@ void DeadReckoning::follow(const std::map<KeyframeId, SessionDatabase::Keyframe>
 }
 
 void DeadReckoning::restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate) {
+  if (is_localized() && anchors_.back().keyframe == localized.id) anchors_.pop_back();
   anchors_.push_back({.keyframe = localized.id,
                       .T_odom_body = localized.T_odom_body,
                       .travelled_m = travelled_m(localized.id),

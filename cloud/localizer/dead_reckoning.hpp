@@ -52,7 +52,8 @@ class DeadReckoning {
   /// Measures the path up to each keyframe that is new, on straight lines between keyframes.
   void follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes);
 
-  /// From here on the odometry is dead-reckoned from this localized keyframe.
+  /// From here on the odometry is dead-reckoned from this localized keyframe, which may be the one
+  /// before, localized again.
   void restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate);
 
   [[nodiscard]] bool has_anchor() const { return !anchors_.empty(); }
