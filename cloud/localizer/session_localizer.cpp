@@ -141,7 +141,8 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
-  fit.constraint = analyze_map_constraint(fit.association.matches, config_.degeneracy);
+  fit.constraint =
+      analyze_map_constraint(fit.association.matches, config_.degeneracy, prediction.is_start);
   fit.median_residual =
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);

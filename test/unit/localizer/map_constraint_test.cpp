@@ -93,13 +93,16 @@ TEST(WindowMotion, MovesAPointAsItsGradientSays) {
 }
 
 TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
-  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  const DegeneracyConfig config{
+      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   EXPECT_EQ(analyze_map_constraint(matches_on({x}, 400), config).weak.cols(), 3);
   EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config).weak.cols(), 0);
   EXPECT_EQ(analyze_map_constraint({}, config).weak.cols(), 6);
+  EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config, true).weak.cols(), 6)
+      << "a first place";
 
   const MapConstraint corridor = analyze_map_constraint(matches_on({y, -y, z, -z}, 100), config);
   ASSERT_EQ(corridor.weak.cols(), 1);
@@ -109,7 +112,8 @@ TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
 }
 
 TEST(MapConstraint, CountsAnUncertainLandmarkLess) {
-  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  const DegeneracyConfig config{
+      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   std::vector<MapMatch> matches = matches_on({Eigen::Vector3d::UnitX()}, 100);
   const double before = analyze_map_constraint(matches, config).sigmas_m(5);
   for (MapMatch& match : matches) match.landmark.covariance.setIdentity();
