@@ -3,26 +3,36 @@
 #include "cloud/localizer/weak_directions.hpp"
 
 namespace fleetloc {
+namespace {
+
+// A covariance of the pose of one keyframe, as one of the newest pose that moves rigidly with it.
+Matrix6d carried(const Matrix6d& covariance, const Pose& T_map_body, const Pose& T_map_newest) {
+  const Matrix6d A = adjoint(inverse(T_map_newest) * T_map_body);
+  return A * covariance * A.transpose();
+}
+
+}  // namespace
 
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
-                                                  const PosePrior& prior,
+                                                  const Prediction& prediction,
                                                   const Matrix6d& rivals) {
   const std::optional<Matrix6d> marginal = system.covariance_of_newest();
   if (!marginal) return std::nullopt;
   PoseWithCovariance newest{system.T_map_body.back(), *marginal};
-  const Pose step = inverse(problem.pose(prior.keyframe)) * newest.T_map_body;
-  const Matrix6d A = adjoint(inverse(step));
   double weak_sigma_m = 0.0;
   if (constraint.weak.cols() > 0) {
-    const auto growth = problem.covariance_from(prior.keyframe, system.keyframes.back());
+    const PosePrior& before = prediction.before;
+    const auto growth = problem.covariance_from(before.keyframe, system.keyframes.back());
     if (!growth) return std::nullopt;
-    const Matrix6d carried = A * prior.estimate.covariance * A.transpose() + *growth;
-    newest.covariance = widened_along(constraint, newest, carried);
+    const Matrix6d known =
+        carried(before.estimate.covariance, problem.pose(before.keyframe), newest.T_map_body);
+    newest.covariance = widened_along(constraint, newest, known + *growth);
     weak_sigma_m = weak_sigma(constraint, newest);
   }
-  return AnswerCovariance{newest.covariance + A * rivals * A.transpose(), weak_sigma_m};
+  newest.covariance += carried(rivals, problem.pose(prediction.prior.keyframe), newest.T_map_body);
+  return AnswerCovariance{newest.covariance, weak_sigma_m};
 }
 
 }  // namespace fleetloc

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/degeneracy.hpp"
+#include "cloud/localizer/prediction.hpp"
 #include "cloud/localizer/window_problem.hpp"
 
 namespace fleetloc {
@@ -14,15 +14,16 @@ struct AnswerCovariance {
   double weak_sigma_m = 0.0;               ///< the largest along a weak direction
 };
 
-/// The marginal of `system`. Along directions that the map does not constrain it is raised to the
-/// covariance of `prior`, carried to the newest keyframe by the odometry of `problem`: what the
-/// optimization adds to the prior there is not the map's.
-/// @param rivals  of the keyframe of `prior`: RigidAlignment::Result::rivals
+/// The marginal of `system`. Along directions that the map does not constrain it is raised to what
+/// was known before the window, carried to the newest keyframe by the odometry of `problem`: what
+/// the optimization adds to it there is noise of the map's normals.
+/// @param rivals  of the keyframe that was aligned, that of `prediction.prior`; see
+///                RigidAlignment::Result
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
-                                                  const PosePrior& prior,
+                                                  const Prediction& prediction,
                                                   const Matrix6d& rivals);
 
 }  // namespace fleetloc

@@ -8,16 +8,16 @@ namespace fleetloc {
 namespace {
 
 // Where the start pose was known; any attitude there will do, since the odometry goes on from it.
-std::optional<PoseAnchor> anchor_at(const std::optional<MapOdomEstimate>& start) {
-  if (!start) return std::nullopt;
+std::vector<PoseAnchor> anchors_at(const std::optional<MapOdomEstimate>& start) {
+  if (!start) return {};
   Pose T_odom_known;
   T_odom_known.p = start->p_odom;
   const Matrix6d A = adjoint(inverse(T_odom_known));
-  return PoseAnchor{
+  return {PoseAnchor{
       .keyframe = std::nullopt,
       .T_odom_body = T_odom_known,
       .travelled_m = 0.0,
-      .estimate = {start->T_map_odom * T_odom_known, A * start->covariance * A.transpose()}};
+      .estimate = {start->T_map_odom * T_odom_known, A * start->covariance * A.transpose()}}};
 }
 
 }  // namespace
@@ -39,8 +39,8 @@ PoseWithCovariance PoseAnchor::at(const Pose& T_odom_later,
 
 DeadReckoning::DeadReckoning(const std::optional<MapOdomEstimate>& start, const DriftConfig& drift)
     : drift_(drift),
-      anchor_(anchor_at(start)),
-      begin_odom_(anchor_ ? anchor_->T_odom_body.p : Eigen::Vector3d::Zero()) {}
+      anchors_(anchors_at(start)),
+      begin_odom_(has_anchor() ? anchors_.back().T_odom_body.p : Eigen::Vector3d::Zero()) {}
 
 // The keyframe that is nearest to where the start pose was known is as far from there as it looks;
 // from it the path goes on to both sides.
@@ -73,34 +73,58 @@ void DeadReckoning::follow(const std::map<KeyframeId, SessionDatabase::Keyframe>
         next, id, PathPoint{p_odom, before.travelled_m + (p_odom - before.p_odom).norm()});
   }
   path_.erase(path_.begin(), path_.lower_bound(keyframes.begin()->first));
+  // Of the anchors before the oldest keyframe the last one is enough.
+  const auto is_later = [&](const PoseAnchor& anchor) {
+    return anchor.keyframe && *anchor.keyframe > keyframes.begin()->first;
+  };
+  const auto later = std::ranges::find_if(anchors_, is_later);
+  if (later - anchors_.begin() > 1) anchors_.erase(anchors_.begin(), std::prev(later));
 }
 
 void DeadReckoning::restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate) {
-  anchor_ = {.keyframe = localized.id,
-             .T_odom_body = localized.T_odom_body,
-             .travelled_m = travelled_m(localized.id),
-             .estimate = estimate};
+  if (is_localized() && anchors_.back().keyframe == localized.id) anchors_.pop_back();
+  anchors_.push_back({.keyframe = localized.id,
+                      .T_odom_body = localized.T_odom_body,
+                      .travelled_m = travelled_m(localized.id),
+                      .estimate = estimate});
 }
 
 Pose DeadReckoning::T_map_odom() const {
-  return anchor_->estimate.T_map_body * inverse(anchor_->T_odom_body);
+  return anchors_.back().estimate.T_map_body * inverse(anchors_.back().T_odom_body);
 }
 
 PoseWithCovariance DeadReckoning::at(const SubmapKeyframe& keyframe) const {
-  return anchor_->at(keyframe.T_odom_body, travelled_m(keyframe.id), drift_);
+  return anchors_.back().at(keyframe.T_odom_body, travelled_m(keyframe.id), drift_);
 }
 
 PosePrior DeadReckoning::prior(const std::vector<KeyframeId>& window,
                                const SessionDatabase& database) const {
-  if (is_localized() && std::ranges::binary_search(window, *anchor_->keyframe)) {
-    return {*anchor_->keyframe, anchor_->estimate};
+  const PoseAnchor& newest = anchors_.back();
+  if (newest.keyframe && std::ranges::binary_search(window, *newest.keyframe)) {
+    return {*newest.keyframe, newest.estimate};
   }
+  return carried(newest, window, database);
+}
+
+PosePrior DeadReckoning::before(const std::vector<KeyframeId>& window,
+                                const SessionDatabase& database) const {
+  const auto is_before = [&](const PoseAnchor& anchor) {
+    return !anchor.keyframe || *anchor.keyframe <= window.front();
+  };
+  const auto last = std::find_if(anchors_.rbegin(), anchors_.rend(), is_before);
+  return carried(last == anchors_.rend() ? anchors_.front() : *last, window, database);
+}
+
+PosePrior DeadReckoning::carried(const PoseAnchor& anchor,
+                                 const std::vector<KeyframeId>& window,
+                                 const SessionDatabase& database) const {
   KeyframeId keyframe = window.front();
-  if (!is_localized()) {
+  if (!anchor.keyframe) {
     keyframe = *std::ranges::min_element(
         window, {}, [this](KeyframeId id) { return std::abs(travelled_m(id)); });
   }
-  return {keyframe, at(database.keyframe(keyframe).item)};
+  const SubmapKeyframe& item = database.keyframe(keyframe).item;
+  return {keyframe, anchor.at(item.T_odom_body, travelled_m(keyframe), drift_)};
 }
 
 DriftConfig read_drift_config(ConfigReader section) {

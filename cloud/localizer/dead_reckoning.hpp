@@ -42,7 +42,7 @@ struct PosePrior {
   PoseWithCovariance estimate;
 };
 
-/// Where the odometry says that the robot is in the map: the anchor, the path travelled since, and
+/// Where the odometry says that the robot is in the map: the anchors, the path travelled since, and
 /// the drift along it.
 class DeadReckoning {
  public:
@@ -52,21 +52,28 @@ class DeadReckoning {
   /// Measures the path up to each keyframe that is new, on straight lines between keyframes.
   void follow(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes);
 
-  /// From here on the odometry is dead-reckoned from this localized keyframe.
+  /// From here on the odometry is dead-reckoned from this localized keyframe, which may be the one
+  /// before, localized again.
   void restart(const SubmapKeyframe& localized, const PoseWithCovariance& estimate);
 
-  [[nodiscard]] bool has_anchor() const { return anchor_.has_value(); }
-  [[nodiscard]] bool is_localized() const { return anchor_ && anchor_->keyframe; }
+  [[nodiscard]] bool has_anchor() const { return !anchors_.empty(); }
+  [[nodiscard]] bool is_localized() const { return has_anchor() && anchors_.back().keyframe; }
 
   /// What follows needs an anchor.
   [[nodiscard]] Pose T_map_odom() const;
   [[nodiscard]] PoseWithCovariance at(const SubmapKeyframe& keyframe) const;
-  /// The anchor itself while it is in the window; once that keyframe has left the window,
+  /// The newest anchor itself while it is in the window; once that keyframe has left the window,
   /// dead-reckoned to the window's oldest keyframe. Before the first localization dead-reckoned to
   /// the keyframe that is nearest to the start pose: at the start of a drive the oldest one, but
   /// the newest one of a robot that comes from another localizer with all its keyframes.
   [[nodiscard]] PosePrior prior(const std::vector<KeyframeId>& window,
                                 const SessionDatabase& database) const;
+
+  /// What was known without this window, but for one of its keyframes: that of the last anchor that
+  /// is not after the window's oldest keyframe, dead-reckoned to it; as long as there is only the
+  /// start pose, to the keyframe that is nearest to it.
+  [[nodiscard]] PosePrior before(const std::vector<KeyframeId>& window,
+                                 const SessionDatabase& database) const;
 
   /// Path length up to a keyframe of follow(), from where the start pose was known [m]; negative
   /// before it.
@@ -80,10 +87,14 @@ class DeadReckoning {
     double travelled_m;
   };
 
+  /// The anchor, where it does not lie in the window.
+  [[nodiscard]] PosePrior carried(const PoseAnchor& anchor,
+                                  const std::vector<KeyframeId>& window,
+                                  const SessionDatabase& database) const;
   void begin_path(const std::map<KeyframeId, SessionDatabase::Keyframe>& keyframes);
 
   DriftConfig drift_;
-  std::optional<PoseAnchor> anchor_;
+  std::vector<PoseAnchor> anchors_;       // oldest first; those that before() may need
   const Eigen::Vector3d begin_odom_;      // of the path
   std::map<KeyframeId, PathPoint> path_;  // at the stored keyframes
 };

@@ -56,7 +56,8 @@ Vector6d WindowMotion::gradient(const Eigen::Vector3d& direction_map,
 }
 
 MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
-                                     const DegeneracyConfig& config) {
+                                     const DegeneracyConfig& config,
+                                     bool is_start) {
   MapConstraint result;
   if (matches.empty()) {
     result.weak = Matrix6d::Identity();
@@ -74,11 +75,12 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
     spurious += weight * config.normal_sigma_rad * config.normal_sigma_rad;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  const double weak_sigma_m = is_start ? config.start_weak_sigma_m : config.weak_sigma_m;
   int weak = 0;
   for (int i = 0; i < 6; ++i) {
     const double honest = std::max(eigen.eigenvalues()(i) - spurious, kMinInformation);
     result.sigmas_m(i) = 1.0 / std::sqrt(honest);
-    if (result.sigmas_m(i) > config.weak_sigma_m) ++weak;
+    if (result.sigmas_m(i) > weak_sigma_m) ++weak;
   }
   result.weak = eigen.eigenvectors().leftCols(weak);
   return result;
@@ -86,6 +88,7 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
 
 DegeneracyConfig read_degeneracy_config(ConfigReader section) {
   return {.weak_sigma_m = section.positive("weak_sigma_m"),
+          .start_weak_sigma_m = section.positive("start_weak_sigma_m"),
           .normal_sigma_rad = section.positive("normal_sigma_rad")};
 }
 

@@ -29,8 +29,9 @@ struct WindowMotion {
 };
 
 struct DegeneracyConfig {
-  double weak_sigma_m;      ///< a direction that the map alone constrains less is weak
-  double normal_sigma_rad;  ///< noise of the map's normals, which would count as information
+  double weak_sigma_m;        ///< a direction that the map alone constrains less is weak
+  double start_weak_sigma_m;  ///< the same, of the first place of a session
+  double normal_sigma_rad;    ///< noise of the map's normals, which would count as information
 };
 
 /// How the map alone constrains a rigid motion of the window.
@@ -45,8 +46,12 @@ struct MapConstraint {
 /// normal. Point-to-point matches count along the normal only, since along the surface the nearest
 /// point of a map follows the landmark. Rotation is scaled by the median distance of the matched
 /// landmarks from their mean.
+///
+/// A first place was looked for in all the room that the start pose leaves, and its matches were
+/// chosen with it: until there is another answer, less counts as weak.
 MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
-                                     const DegeneracyConfig& config);
+                                     const DegeneracyConfig& config,
+                                     bool is_start = false);
 
 DegeneracyConfig read_degeneracy_config(ConfigReader section);
 

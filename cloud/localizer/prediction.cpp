@@ -4,9 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/LU>
-
-#include "cloud/localizer/weak_directions.hpp"
 #include "shared/core/percentile.hpp"
 #include "shared/geometry/covariance.hpp"
 
@@ -22,15 +19,6 @@ double landmark_sigma(const LandmarkPositions& positions, const PoseWithCovarian
                         max_sigma(estimate.covariance.topLeftCorner<3, 3>());
   const double shifted = max_sigma(estimate.covariance.bottomRightCorner<3, 3>());
   return std::hypot(turned, shifted);
-}
-
-std::optional<Matrix6d> prior_information(const Prediction& prediction,
-                                          const MapConstraint& constraint,
-                                          double min_sigma_m) {
-  const PoseWithCovariance& estimate = prediction.prior.estimate;
-  if (prediction.is_start) return estimate.covariance.inverse();
-  if (constraint.weak.cols() == 0) return std::nullopt;
-  return information_along(constraint, estimate, min_sigma_m);
 }
 
 }  // namespace fleetloc

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <optional>
-
 #include "cloud/localizer/dead_reckoning.hpp"
-#include "cloud/localizer/degeneracy.hpp"
 #include "cloud/localizer/landmark_placement.hpp"
 #include "cloud/localizer/pose_with_covariance.hpp"
 
@@ -11,7 +8,8 @@ namespace fleetloc {
 
 /// Where the window should be, before it is matched with the map.
 struct Prediction {
-  PosePrior prior;            ///< of one of its keyframes
+  PosePrior prior;            ///< of one of its keyframes, by all that is known: where to look
+  PosePrior before;           ///< by what was known without this window, to be optimized with it
   PoseWithCovariance newest;  ///< of its newest keyframe, dead-reckoned
   double gate_m = 0.0;        ///< its landmarks should be this close to the map
   bool is_rough = false;      ///< too far to match landmarks one by one: align the window first
@@ -20,12 +18,5 @@ struct Prediction {
 
 /// Standard deviation of the landmarks' places in the map that follows from that of the pose [m].
 double landmark_sigma(const LandmarkPositions& positions, const PoseWithCovariance& estimate);
-
-/// Information of the pose prior that enters the optimization. At the start it holds all
-/// directions; afterwards those alone that the map does not constrain. Nothing if there are none.
-/// @param min_sigma_m  of the prior along weak directions
-std::optional<Matrix6d> prior_information(const Prediction& prediction,
-                                          const MapConstraint& constraint,
-                                          double min_sigma_m);
 
 }  // namespace fleetloc

@@ -136,14 +136,14 @@ RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& 
     if (step != 0) results.push_back(descend(some, prior, near, start));
   }
   std::ranges::sort(results, {}, &Aligned::score);
-  return {best.T_new_old, rivals_of(best, results, prior.T_map_body)};
+  return {results.front().T_new_old, rivals_of(results, prior.T_map_body)};
 }
 
 // Of starts that have come to one place only the best one counts.
-// @param results  sorted by score
-Matrix6d RigidAlignment::rivals_of(const Aligned& best,
-                                   const std::vector<Aligned>& results,
+// @param results  sorted by score: the first one is chosen
+Matrix6d RigidAlignment::rivals_of(const std::vector<Aligned>& results,
                                    const Pose& T_old_body) const {
+  const Aligned& best = results.front();
   const Pose chosen = best.T_new_old * T_old_body;
   std::vector<Pose> places;
   double odds_of_all = 0.0;

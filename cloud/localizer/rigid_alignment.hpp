@@ -58,8 +58,7 @@ class RigidAlignment {
                                 const PoseWithCovariance& prior,
                                 const Gates& gates,
                                 const Pose& start) const;
-  [[nodiscard]] Matrix6d rivals_of(const Aligned& best,
-                                   const std::vector<Aligned>& results,
+  [[nodiscard]] Matrix6d rivals_of(const std::vector<Aligned>& results,
                                    const Pose& T_old_body) const;
   [[nodiscard]] double score(const std::vector<WindowLandmark>& landmarks,
                              const PoseWithCovariance& prior,

@@ -59,6 +59,7 @@ LocalizationResult SessionLocalizer::localize() {
     aligned = align(prediction);
     problem_.move(aligned.T_new_old);
   }
+  restrain(prediction.before);
   const MapFit fit = fit_to_map(prediction);
   expected<Solution, Rejection> solution = accept(prediction, fit, aligned.rivals);
 
@@ -81,6 +82,7 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
   Prediction result;
   result.is_start = !dead_reckoning_.is_localized();
   result.prior = dead_reckoning_.prior(window, database_);
+  result.before = dead_reckoning_.before(window, database_);
   result.newest = dead_reckoning_.at(database_.newest().item);
   const double sigma_m = landmark_sigma(problem_.positions(), result.prior.estimate);
   result.gate_m =
@@ -102,6 +104,14 @@ RigidAlignment::Result SessionLocalizer::align(const Prediction& prediction) con
   return alignment_.align(problem_.landmarks(), prior, gates, guess);
 }
 
+// By what is left of what was before the window. It has met errors that the window meets as well.
+void SessionLocalizer::restrain(const PosePrior& before) {
+  const auto& floors = config_.covariance_inflation;
+  const Matrix6d covariance = before.estimate.covariance +
+                              diagonal_covariance(floors.prior_floor_rad, floors.prior_floor_m);
+  problem_.set_prior(before.keyframe, before.estimate.T_map_body, covariance.inverse());
+}
+
 // Rounds of association and optimization of E_loc (eq. 16), with a gate that shrinks. They end
 // where the pose comes back to a place where it was: it has settled, or goes to and fro for ever;
 // or where acceptance will reject the window.
@@ -116,8 +126,6 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     const Pose before = problem_.pose(newest);
     fit.association = associate(problem_.landmarks(), *map_, gate_m, config_.association, nearest_);
     if (!acceptance_.check_matches(fit.association)) break;
-    fit.constraint = analyze_map_constraint(fit.association.matches, config_.degeneracy);
-    restrain(prediction, fit.constraint);
     problem_.set_matches(fit.association.matches);
     fit.add(problem_.solve(until.iterations, until.min_decrease));
     if (!fit.is_solved) break;
@@ -133,19 +141,12 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
+  fit.constraint =
+      analyze_map_constraint(fit.association.matches, config_.degeneracy, prediction.is_start);
   fit.median_residual =
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);
   return fit;
-}
-
-// By the prior, as far as the map leaves the window loose.
-void SessionLocalizer::restrain(const Prediction& prediction, const MapConstraint& constraint) {
-  problem_.clear_prior();
-  const auto information =
-      prior_information(prediction, constraint, config_.covariance_inflation.min_prior_sigma_m);
-  const PosePrior& prior = prediction.prior;
-  if (information) problem_.set_prior(prior.keyframe, prior.estimate.T_map_body, *information);
 }
 
 // The place first: the window is linearized only where its covariance is of use.
@@ -155,7 +156,7 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   if (!fits) return unexpected(fits.error());
 
   WindowSystem system = problem_.system();
-  const auto stated = answer_covariance(problem_, system, fit.constraint, prediction.prior, rivals);
+  const auto stated = answer_covariance(problem_, system, fit.constraint, prediction, rivals);
   const auto certain = acceptance_.check_certainty(stated);
   if (!certain) return unexpected(certain.error());
 

@@ -25,8 +25,8 @@ namespace fleetloc {
 
 /// One session of one robot: collects its submaps and localizes its newest keyframe in the laser
 /// map. The window's older keyframes and their matches carry the pose from one submap to the next.
-/// What leaves the window is dropped, not marginalized: the map itself constrains what stays.
-/// Directions that the map does not constrain are held by a prior at the newest localized keyframe.
+/// What has left the window is summed up by a prior of its oldest keyframe: the answer that this
+/// keyframe had when it was the newest one, with which the window shares nothing but it.
 ///
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
@@ -50,7 +50,10 @@ class SessionLocalizer {
   struct CovarianceInflation {
     double floor_m;  ///< added to the standard deviations: systematic errors of map and stereo pair
     double floor_rad;
-    double min_prior_sigma_m;  ///< of the prior along weak directions
+    /// The same, of the prior. The errors of map and stereo pair that an earlier answer has met are
+    /// partly those of the window.
+    double prior_floor_m;
+    double prior_floor_rad;
   };
   struct Config {
     SessionDatabase::Config database;
@@ -103,8 +106,8 @@ class SessionLocalizer {
   void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
+  void restrain(const PosePrior& before);
   MapFit fit_to_map(const Prediction& prediction);
-  void restrain(const Prediction& prediction, const MapConstraint& constraint);
   expected<Solution, Rejection> accept(const Prediction& prediction,
                                        const MapFit& fit,
                                        const Matrix6d& rivals);

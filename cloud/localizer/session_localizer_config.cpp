@@ -23,7 +23,8 @@ SessionLocalizer::Rounds read_rounds(ConfigReader section) {
 SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader section) {
   return {.floor_m = section.positive("floor_m"),
           .floor_rad = section.positive("floor_rad"),
-          .min_prior_sigma_m = section.positive("min_prior_sigma_m")};
+          .prior_floor_m = section.positive("prior_floor_m"),
+          .prior_floor_rad = section.positive("prior_floor_rad")};
 }
 
 }  // namespace

@@ -15,16 +15,6 @@ Eigen::MatrixXd weak_by_body(const MapConstraint& constraint, const Pose& T_map_
 
 }  // namespace
 
-Matrix6d information_along(const MapConstraint& constraint,
-                           const PoseWithCovariance& estimate,
-                           double min_sigma_m) {
-  const Eigen::MatrixXd W = weak_by_body(constraint, estimate.T_map_body);
-  Eigen::MatrixXd covariance = W * estimate.covariance * W.transpose();
-  covariance.diagonal().array() += min_sigma_m * min_sigma_m;
-  const Matrix6d information = W.transpose() * covariance.inverse() * W;
-  return 0.5 * (information + information.transpose());
-}
-
 Matrix6d widened_along(const MapConstraint& constraint,
                        const PoseWithCovariance& result,
                        const Matrix6d& min_covariance) {

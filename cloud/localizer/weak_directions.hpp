@@ -7,12 +7,6 @@
 
 namespace fleetloc {
 
-/// Information of a pose prior that holds only the weak directions of `constraint`, with the
-/// covariance of `estimate` plus `min_sigma_m` squared.
-Matrix6d information_along(const MapConstraint& constraint,
-                           const PoseWithCovariance& estimate,
-                           double min_sigma_m);
-
 /// Covariance of `result`, raised along the weak directions to at least `min_covariance`.
 Matrix6d widened_along(const MapConstraint& constraint,
                        const PoseWithCovariance& result,

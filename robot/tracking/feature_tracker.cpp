@@ -114,7 +114,8 @@ cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
   if (flow.norm() < static_cast<float>(config_.flow.slope_from_px)) return now;
   const SearchLine line{
       .start = now, .direction = flow.normalized(), .slope_sigma = config_.flow.slope_sigma};
-  return match_slanted(left_.image(), left.image(), before, line, config_.slanted).value_or(now);
+  const auto match = match_slanted(left_.image(), left.image(), before, line, config_.slanted);
+  return match ? match->pixel : now;
 }
 
 /// Keeps the inliers of the rigid motion, each with its predicted disparity.

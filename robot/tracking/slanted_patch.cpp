@@ -1,5 +1,6 @@
 #include "robot/tracking/slanted_patch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -66,6 +67,12 @@ struct Template {
   }
 };
 
+/// Where a pixel of the patch, (dx, dy) beside its center, is in the second image.
+cv::Point2f moved(
+    const cv::Point2f& center, const Eigen::Vector2f& direction, float shift, float dx, float dy) {
+  return {center.x + dx + shift * direction.x(), center.y + dy + shift * direction.y()};
+}
+
 /// J' (second image - first image), where the second is seen with the unknowns as they are.
 std::optional<Unknowns> gradient_at(const Template& patch,
                                     const cv::Mat& to,
@@ -80,8 +87,7 @@ std::optional<Unknowns> gradient_at(const Template& patch,
       const auto dx = static_cast<float>(x);
       const auto dy = static_cast<float>(y);
       const float shift = now[0] + now[1] * dx + now[2] * dy;
-      const cv::Point2f at(start.x + dx + shift * direction.x(),
-                           start.y + dy + shift * direction.y());
+      const cv::Point2f at = moved(start, direction, shift, dx, dy);
       if (!is_inside(to, at, 0.0F)) return std::nullopt;
       sum += (sampled(to, at.x, at.y) + now[3] - patch.gray[i]) * patch.J[i];
     }
@@ -99,11 +105,11 @@ SlantedPatchConfig read_slanted_patch_config(ConfigReader section) {
           .gray_sigma = section.positive("gray_sigma")};
 }
 
-std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
-                                         const cv::Mat& to,
-                                         const cv::Point2f& point,
-                                         const SearchLine& line,
-                                         const SlantedPatchConfig& config) {
+std::optional<SlantedMatch> match_slanted(const cv::Mat& from,
+                                          const cv::Mat& to,
+                                          const cv::Point2f& point,
+                                          const SearchLine& line,
+                                          const SlantedPatchConfig& config) {
   const auto& [start, direction, slope_sigma] = line;
   const int radius = config.radius_px;
   if (!is_inside(from, point, static_cast<float>(radius + 1))) return std::nullopt;
@@ -123,9 +129,39 @@ std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
     now -= step;
     if (!(std::abs(now[0]) <= static_cast<float>(config.max_px))) return std::nullopt;
     if (std::abs(step[0]) >= static_cast<float>(config.converged_px)) continue;
-    return cv::Point2f(start.x + now[0] * direction.x(), start.y + now[0] * direction.y());
+    return SlantedMatch{moved(start, direction, now[0], 0.0F, 0.0F), now.segment<2>(1)};
   }
   return std::nullopt;
+}
+
+float correlation(const cv::Mat& from,
+                  const cv::Mat& to,
+                  const cv::Point2f& point,
+                  const Eigen::Vector2f& direction,
+                  const SlantedMatch& match,
+                  int radius_px) {
+  constexpr float kNone = -1.0F;
+  const auto reach_px = static_cast<float>(radius_px);
+  if (!is_inside(from, point, reach_px)) return kNone;
+  Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+  Eigen::Matrix2f sum_of_squares = Eigen::Matrix2f::Zero();
+  for (int y = -radius_px; y <= radius_px; ++y) {
+    for (int x = -radius_px; x <= radius_px; ++x) {
+      const auto dx = static_cast<float>(x);
+      const auto dy = static_cast<float>(y);
+      const float shift = match.slopes.x() * dx + match.slopes.y() * dy;
+      const cv::Point2f at = moved(match.pixel, direction, shift, dx, dy);
+      if (!is_inside(to, at, 0.0F)) return kNone;
+      const Eigen::Vector2f grays(sampled(from, point.x + dx, point.y + dy),
+                                  sampled(to, at.x, at.y));
+      sum += grays;
+      sum_of_squares += grays * grays.transpose();
+    }
+  }
+  const float side = 2.0F * reach_px + 1.0F;
+  const Eigen::Matrix2f scatter = sum_of_squares - sum * sum.transpose() / (side * side);
+  const float scale = std::sqrt(std::max(0.0F, scatter(0, 0) * scatter(1, 1)));
+  return scale > 0.0F ? scatter(0, 1) / scale : 0.0F;
 }
 
 }  // namespace fleetloc

@@ -27,16 +27,32 @@ struct SearchLine {
   double slope_sigma;         ///< of the shift's change over the patch, about zero [px per px]
 };
 
+struct SlantedMatch {
+  cv::Point2f pixel;       ///< of the patch's center
+  Eigen::Vector2f slopes;  ///< of the shift, along the patch's columns and rows [px per px]
+};
+
 /// Refines the match of a patch along a line, with a shift that changes linearly over the patch, as
 /// on a plane (Lucas-Kanade with a slanted patch; Gauss-Newton with the first image's gradients). A
 /// purely translated patch would give a mean of the shift, which on the ground is not that of the
 /// center.
 ///
 /// @return  nothing at an image's border, without texture and without convergence
-std::optional<cv::Point2f> match_slanted(const cv::Mat& from,
-                                         const cv::Mat& to,
-                                         const cv::Point2f& point,
-                                         const SearchLine& line,
-                                         const SlantedPatchConfig& config);
+std::optional<SlantedMatch> match_slanted(const cv::Mat& from,
+                                          const cv::Mat& to,
+                                          const cv::Point2f& point,
+                                          const SearchLine& line,
+                                          const SlantedPatchConfig& config);
+
+/// How much a patch looks like its match along `direction`: the correlation of their gray values,
+/// of zero mean. Near 1 if the patch is of one surface; where it is the edge of a near surface
+/// before a far one, no single shift brings all of it to match.
+/// @return  -1..1; -1 at an image's border
+float correlation(const cv::Mat& from,
+                  const cv::Mat& to,
+                  const cv::Point2f& point,
+                  const Eigen::Vector2f& direction,
+                  const SlantedMatch& match,
+                  int radius_px);
 
 }  // namespace fleetloc

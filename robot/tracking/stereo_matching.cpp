@@ -60,6 +60,7 @@ StereoMatchingConfig read_stereo_matching_config(ConfigReader section) {
           .min_disparity_px = section.positive("min_disparity_px"),
           .nearest_m = section.positive("nearest_m"),
           .min_correlation = section.positive("min_correlation"),
+          .min_likeness = section.number("min_likeness", 0.0, 1.0),
           .slant_sigma = section.positive("slant_sigma")};
 }
 
@@ -104,23 +105,29 @@ double StereoMatcher::search(const ImagePyramid& left,
   return best_disparity;
 }
 
-cv::Point2f StereoMatcher::refined(const ImagePyramid& left,
-                                   const ImagePyramid& right,
-                                   const StereoQuery& query,
-                                   const cv::Point2f& match) const {
+std::optional<cv::Point2f> StereoMatcher::refined(const ImagePyramid& left,
+                                                  const ImagePyramid& right,
+                                                  const StereoQuery& query,
+                                                  const cv::Point2f& match) const {
   const auto rectified = right_camera_.rectify(match);
-  if (!rectified) return match;
+  if (!rectified) return std::nullopt;
   const auto further = right_camera_.distort(*rectified + Eigen::Vector2d::UnitX());
-  if (!further) return match;
+  if (!further) return std::nullopt;
   const double disparity = query.rectified.x() - rectified->x();
-  if (disparity < config_.min_disparity_px) return match;
-  const Eigen::Vector2f along(further->x - match.x, further->y - match.y);
+  if (disparity < config_.min_disparity_px) return std::nullopt;
+  const Eigen::Vector2f along =
+      Eigen::Vector2f(further->x - match.x, further->y - match.y).normalized();
   // On a plane through a point the disparity changes by its share of the focal length, times the
   // tangent of the slant, per pixel.
   const SearchLine row{.start = match,
-                       .direction = along.normalized(),
+                       .direction = along,
                        .slope_sigma = config_.slant_sigma * disparity / focal_px_};
-  return match_slanted(left.image(), right.image(), query.left, row, slanted_).value_or(match);
+  const auto found = match_slanted(left.image(), right.image(), query.left, row, slanted_);
+  if (!found) return std::nullopt;
+  const float likeness =
+      correlation(left.image(), right.image(), query.left, along, *found, slanted_.radius_px);
+  if (likeness < static_cast<float>(config_.min_likeness)) return std::nullopt;
+  return found->pixel;
 }
 
 std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
@@ -143,8 +150,9 @@ std::vector<StereoMatch> StereoMatcher::match(const ImagePyramid& left,
   const auto found = track_points(left, right, points, starts, flow_);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!found[k]) continue;
-    const auto rectified =
-        right_camera_.rectify(refined(left, right, queries[indices[k]], *found[k]));
+    const auto pixel = refined(left, right, queries[indices[k]], *found[k]);
+    if (!pixel) continue;
+    const auto rectified = right_camera_.rectify(*pixel);
     if (!rectified) continue;
     const Eigen::Vector2d difference = queries[indices[k]].rectified - *rectified;
     const bool plausible = std::abs(difference.y()) <= config_.row_error_px &&

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "robot/tracking/optical_flow.hpp"
@@ -16,6 +17,7 @@ struct StereoMatchingConfig {
   double min_disparity_px;  ///< farther points count as not seen by the right camera
   double nearest_m;         ///< smallest possible depth
   double min_correlation;   ///< of the search without a prediction, 0 to 1
+  double min_likeness;      ///< correlation of a refined patch with its match, 0 to 1
   double slant_sigma;       ///< tangent of the angle between surface normal and view
 };
 
@@ -54,11 +56,11 @@ class StereoMatcher {
                               const ImagePyramid& right,
                               const StereoQuery& query) const;
 
-  /// Refined along the row; `match` itself where that fails.
-  [[nodiscard]] cv::Point2f refined(const ImagePyramid& left,
-                                    const ImagePyramid& right,
-                                    const StereoQuery& query,
-                                    const cv::Point2f& match) const;
+  /// Refined along the row; nothing where that fails, or where the patch is not of one surface.
+  [[nodiscard]] std::optional<cv::Point2f> refined(const ImagePyramid& left,
+                                                   const ImagePyramid& right,
+                                                   const StereoQuery& query,
+                                                   const cv::Point2f& match) const;
 
   RectifiedCamera right_camera_;
   OpticalFlowConfig flow_;

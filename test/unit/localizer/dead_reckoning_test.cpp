@@ -112,6 +112,39 @@ TEST(DeadReckoning, HoldsTheWindowWhereItWasLocalizedLast) {
   EXPECT_GT(outside.estimate.covariance(3, 3), found.covariance(3, 3));
 }
 
+// Its newest answers come from keyframes that are still in the window: they are not data beside it.
+TEST(DeadReckoning, KnowsBeforeAWindowWhatItsOldestKeyframeWasAnsweredWhenItWasTheNewest) {
+  Drive drive;
+  const auto before = [&] {
+    return drive.reckoning.before(drive.database.window(), drive.database);
+  };
+  const auto answered = [](int x) {
+    return PoseWithCovariance{Pose{kPose.R, {1.0 * x, 0.0, 0.0}},
+                              (1e-4 + 1e-6 * x) * Matrix6d::Identity()};
+  };
+  drive.to(10);
+  EXPECT_EQ(before().keyframe, keyframe_at(0));
+  const Matrix6d start = before().estimate.covariance;
+  for (int x = 10; x <= 60; ++x) {
+    drive.to(x);
+    if (x <= 49) {
+      EXPECT_GE(before().estimate.covariance(5, 5), start(5, 5)) << x;
+    }
+    if (x % 3 != 0) continue;
+    drive.reckoning.restart(drive.database.newest().item, answered(x + 1));
+    drive.reckoning.restart(drive.database.newest().item, answered(x));  // the later one counts
+  }
+  // The window begins at 21, which had an answer of its own.
+  EXPECT_EQ(before().keyframe, keyframe_at(21));
+  EXPECT_EQ(before().estimate.covariance, answered(21).covariance);
+  EXPECT_EQ(before().estimate.T_map_body.p, answered(21).T_map_body.p);
+  EXPECT_GT(start(5, 5), answered(21).covariance(5, 5));
+  drive.to(62);  // at 23: two metres on from there
+  EXPECT_EQ(before().keyframe, keyframe_at(23));
+  EXPECT_NEAR((before().estimate.T_map_body.p - answered(21).T_map_body.p).norm(), 2.0, 1e-9);
+  EXPECT_GT(before().estimate.covariance(3, 3), answered(21).covariance(3, 3) + 0.0015);
+}
+
 // It brings keyframes of the way that it has come; where it is now is known best.
 TEST(DeadReckoning, HoldsARobotThatComesFromAnotherLocalizerAtItsNewestKeyframe) {
   constexpr int kAll = 30;

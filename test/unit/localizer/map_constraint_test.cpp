@@ -93,13 +93,16 @@ TEST(WindowMotion, MovesAPointAsItsGradientSays) {
 }
 
 TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
-  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  const DegeneracyConfig config{
+      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   EXPECT_EQ(analyze_map_constraint(matches_on({x}, 400), config).weak.cols(), 3);
   EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config).weak.cols(), 0);
   EXPECT_EQ(analyze_map_constraint({}, config).weak.cols(), 6);
+  EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config, true).weak.cols(), 6)
+      << "a first place";
 
   const MapConstraint corridor = analyze_map_constraint(matches_on({y, -y, z, -z}, 100), config);
   ASSERT_EQ(corridor.weak.cols(), 1);
@@ -109,25 +112,21 @@ TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
 }
 
 TEST(MapConstraint, CountsAnUncertainLandmarkLess) {
-  const DegeneracyConfig config{.weak_sigma_m = 0.025, .normal_sigma_rad = 0.03};
+  const DegeneracyConfig config{
+      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   std::vector<MapMatch> matches = matches_on({Eigen::Vector3d::UnitX()}, 100);
   const double before = analyze_map_constraint(matches, config).sigmas_m(5);
   for (MapMatch& match : matches) match.landmark.covariance.setIdentity();
   EXPECT_GT(analyze_map_constraint(matches, config).sigmas_m(5), 20.0 * before);
 }
 
-TEST(WeakDirections, AreHeldAloneAndNeverClaimedToBeKnownBetter) {
+TEST(WeakDirections, AreNeverClaimedToBeKnownBetterThanBefore) {
   MapConstraint constraint{.motion = {{0.5, 1.5, -1.0}, 2.5}};
   constraint.weak.resize(6, 2);
   constraint.weak << Vector6d::Unit(3), Vector6d::Unit(2);
   const Matrix6d J_body_motion = constraint.motion.J_body_motion(kPose);
   const Matrix6d wide = 0.04 * Matrix6d::Identity();
   const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
-
-  const Matrix6d information = information_along(constraint, {kPose, wide}, 1e-6);
-  EXPECT_LT((information * J_body_motion.col(0)).norm(), 1e-9);
-  EXPECT_LT((information * J_body_motion.col(5)).norm(), 1e-9);
-  EXPECT_GT(J_body_motion.col(3).dot(information * J_body_motion.col(3)), 1.0);
 
   const Matrix6d W = J_body_motion.inverse();
   const Matrix6d expected = W * wide * W.transpose();
@@ -140,19 +139,6 @@ TEST(WeakDirections, AreHeldAloneAndNeverClaimedToBeKnownBetter) {
       std::sqrt(std::max((W * narrow * W.transpose())(3, 3), (W * narrow * W.transpose())(2, 2))),
       1e-9);
   EXPECT_TRUE(widened_along(constraint, {kPose, wide}, narrow).isApprox(wide));
-}
-
-// At the first window that the map no longer constrains, the pose before is known to millimetres.
-TEST(WeakDirections, AreNotHeldTighterThanTheMapHoldsWhatIsNotWeak) {
-  const SessionLocalizer::Config config = localizer_config();
-  MapConstraint constraint;
-  constraint.weak.resize(6, 1);
-  constraint.weak << Vector6d::Unit(3);
-  const PoseWithCovariance before{Pose{}, diagonal_covariance(0.0005, 0.003)};
-  const Matrix6d information =
-      information_along(constraint, before, config.covariance_inflation.min_prior_sigma_m);
-  EXPECT_GT(information(3, 3), 0.9 * std::pow(config.degeneracy.weak_sigma_m, -2));
-  EXPECT_LT(information(3, 3), std::pow(config.degeneracy.weak_sigma_m, -2));
 }
 
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {

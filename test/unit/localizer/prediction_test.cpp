@@ -1,17 +1,13 @@
 // What the stages before and after the optimization make of their values.
 #include "cloud/localizer/prediction.hpp"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "cloud/localizer/map_fit.hpp"
-#include "shared/geometry/so3.hpp"
 #include "simulated_session.hpp"
 
 namespace fleetloc {
 namespace {
-
-const Pose kPose{exp_so3({0.3, -0.5, 2.0}), {1.0, -2.0, 0.5}};
 
 TEST(Prediction, IsAsUncertainFarAwayAsItsHeading) {
   const PoseWithCovariance heading{Pose{}, diagonal_covariance(0.05, 0.001)};
@@ -21,22 +17,6 @@ TEST(Prediction, IsAsUncertainFarAwayAsItsHeading) {
   EXPECT_NEAR(landmark_sigma(far, heading), 1.0, 1e-3);
   const PoseWithCovariance place{Pose{}, diagonal_covariance(1e-6, 0.3)};
   EXPECT_NEAR(landmark_sigma(far, place), 0.3, 1e-3);
-}
-
-TEST(Prediction, IsAPriorInAllDirectionsAtTheStartAndLaterWhereTheMapDoesNotTell) {
-  Prediction prediction;
-  prediction.prior.estimate = {kPose, diagonal_covariance(0.01, 0.1)};
-  prediction.is_start = true;
-  MapConstraint constraint;
-  const Matrix6d all = prediction.prior.estimate.covariance.inverse();
-  EXPECT_TRUE(prior_information(prediction, constraint, 0.02)->isApprox(all));
-
-  prediction.is_start = false;
-  EXPECT_FALSE(prior_information(prediction, constraint, 0.02).has_value());
-  constraint.weak.resize(6, 1);
-  constraint.weak << Vector6d::Unit(4);
-  const Matrix6d weak = *prior_information(prediction, constraint, 0.02);
-  EXPECT_EQ(Eigen::FullPivLU<Matrix6d>(weak).setThreshold(1e-9).rank(), 1);
 }
 
 TEST(MapFit, MeasuresMatchesInTheirOwnStandardDeviations) {

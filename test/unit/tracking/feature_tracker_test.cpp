@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <map>
 #include <stdexcept>
 
@@ -111,6 +112,35 @@ TEST_F(FeatureTrackerTest, FindsADisparityForAlmostAllFeatures) {
   EXPECT_EQ(with, tracker_.diagnostics().with_disparity);
   EXPECT_GE(static_cast<double>(with), 0.8 * static_cast<double>(frame.observations.size()));
   EXPECT_LT(tracker_.diagnostics().row_error_px, 0.15);
+}
+
+// A patch at the poster's edge shows the wall as well.
+TEST_F(FeatureTrackerTest, MeasuresNoDepthBetweenAnEdgeAndWhatIsBehindIt) {
+  const auto off_px = [&](const StereoObservation& o) {
+    double least = 1e9;
+    for (const double depth : {TexturedScene::kPoster_m, TexturedScene::kWall_m}) {
+      const double z = depth - scene().stereo().T_body_cam0.p.z();
+      const double ideal = scene().stereo().focal_px * scene().stereo().baseline_m / z;
+      least = std::min(least, std::abs(o.disparity - ideal));
+    }
+    return least;
+  };
+  int measured = 0;
+  int off = 0;
+  for (int i = 0; i < 25; ++i) {
+    const Eigen::Vector2d poster(-0.6 + 0.05 * i, 0.3 - 0.03 * i);
+    FeatureTracker tracker(scene().calibration(), default_tracking_config());
+    const auto frame =
+        tracker.track(scene().render(Pose{}, poster), Eigen::Quaterniond::Identity());
+    for (const StereoObservation& o : frame.observations) {
+      if (o.disparity <= 0.0) continue;
+      ++measured;
+      if (off_px(o) > 0.25) ++off;
+    }
+  }
+  std::cout << off << " of " << measured << " disparities are between those of the surfaces\n";
+  EXPECT_GT(measured, 1500);
+  EXPECT_LT(off, 15);
 }
 
 TEST_F(FeatureTrackerTest, LosesAndRejectsNothingAtStandstill) {

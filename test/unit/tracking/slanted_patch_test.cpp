@@ -48,8 +48,8 @@ double error_px(double slope, double slope_sigma, double brighter = 0.0) {
   const auto match = match_slanted(
       image(0.0, 0.0), image(static_cast<double>(kShift), slope, brighter), kPoint, line, config());
   if (!match) return 1000.0;
-  EXPECT_EQ(match->y, kPoint.y);
-  return static_cast<double>(match->x - kPoint.x - kShift);
+  EXPECT_EQ(match->pixel.y, kPoint.y);
+  return static_cast<double>(match->pixel.x - kPoint.x - kShift);
 }
 
 TEST(SlantedPatch, FindsTheMiddleOfAShearedPatch) {
