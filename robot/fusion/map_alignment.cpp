@@ -9,8 +9,20 @@
 
 #include "robot/fusion/map_tilt.hpp"
 #include "shared/geometry/angle.hpp"
+#include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
+namespace {
+
+// Covariance of T_map_odom if roll and pitch, about a point that stays where it is, have this
+// sigma.
+Matrix6d tilt_about(const Eigen::Vector3d& p_odom, double sigma) {
+  Eigen::Matrix<double, 6, 2> J;
+  J << Eigen::Matrix<double, 3, 2>::Identity(), hat(p_odom).leftCols<2>();
+  return sigma * sigma * J * J.transpose();
+}
+
+}  // namespace
 
 MapAlignment::MapAlignment(const Config& config)
     : config_(config), hypotheses_(config.hypotheses) {}
@@ -74,7 +86,7 @@ MapAlignment MapAlignment::continued(const MapOdomEstimate& pose) const {
     result.last_applied_ = last_applied_;
     result.standstill_ = standstill_;
     result.T_map_odom_ = pose.T_map_odom;
-    result.P_.topLeftCorner<6, 6>() = pose.covariance;
+    result.P_.topLeftCorner<6, 6>() = pose.covariance + tilt_about(pose.p_odom, config_.map_tilt);
     result.hypotheses_ = hypotheses_.without_alternatives();
     result.continued_ = true;
   }

@@ -43,7 +43,9 @@ class MapAlignment {
   /// How long the robot has stood still since.
   [[nodiscard]] Duration standstill() const { return standstill_; }
   /// The filter after a reset of the odometry: `pose` is its T_map_odom until the first answer that
-  /// agrees with it initializes it again. Empty if no answer was applied before.
+  /// agrees with it initializes it again. Its covariance is that of yaw and position: the tilt is
+  /// that of the map against gravity, which the new odometry knows. Empty if no answer was applied
+  /// before.
   [[nodiscard]] MapAlignment continued(const MapOdomEstimate& pose) const;
   /// No answer has been applied since.
   [[nodiscard]] bool is_continued() const { return continued_; }

@@ -22,6 +22,11 @@ bool is_lost(const PoseEstimate& pose) {
   return !(variance <= kMaxHeadingSigma * kMaxHeadingSigma);
 }
 
+// Of a perturbation of one pose its yaw and translation, as a perturbation of another one.
+Matrix6d without_tilt(const Pose& of, const Pose& as) {
+  return yaw_and_position_jacobian(as).transpose() * yaw_and_position_jacobian(of);
+}
+
 }  // namespace
 
 Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
@@ -59,17 +64,23 @@ void continue_from(const PoseEstimate& dead_reckoned, Initialization& initializa
 }
 
 MapOdomEstimate continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body) {
-  const Matrix6d A = adjoint(T_odom_body);
-  return {.T_map_odom = *dead_reckoned.T_map_body * inverse(T_odom_body),
+  const Pose& T_map_body = *dead_reckoned.T_map_body;
+  Pose T_map_odom;
+  T_map_odom.R = yaw_between(T_odom_body.R, T_map_body.R);
+  T_map_odom.p = T_map_body.p - T_map_odom.R * T_odom_body.p;
+  const Matrix6d A =
+      adjoint(T_odom_body) * without_tilt(T_map_body, {T_map_odom.R * T_odom_body.R, T_map_body.p});
+  return {.T_map_odom = T_map_odom,
           .covariance = A * dead_reckoned.covariance_map * A.transpose(),
           .p_odom = T_odom_body.p};
 }
 
 MapOdomEstimate continued_start(const MapOdomEstimate& start, const PoseEstimate& dead_reckoned) {
-  const Matrix6d A = adjoint(dead_reckoned.T_odom_body);
+  const Pose& T_odom_body = dead_reckoned.T_odom_body;
+  const Matrix6d A = adjoint(T_odom_body) * without_tilt(T_odom_body, T_odom_body);
   return {.T_map_odom = start.T_map_odom,
           .covariance = start.covariance + A * dead_reckoned.covariance_odom * A.transpose(),
-          .p_odom = dead_reckoned.T_odom_body.p};
+          .p_odom = T_odom_body.p};
 }
 
 }  // namespace fleetloc

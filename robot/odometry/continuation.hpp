@@ -32,10 +32,12 @@ Eigen::Quaterniond yaw_between(const Eigen::Quaterniond& from, const Eigen::Quat
 void continue_from(const PoseEstimate& dead_reckoned, Initialization& initialization);
 
 /// T_map_odom after continue_from, from a dead-reckoned estimate with a map pose; T_odom_body is
-/// the new odometry's at the same stamp.
+/// the new odometry's at the same stamp. Yaw and position are carried. The tilt was lost, and the
+/// new odometry knows where down is: T_map_odom has none, and its covariance says nothing of it.
 MapOdomEstimate continued_alignment(const PoseEstimate& dead_reckoned, const Pose& T_odom_body);
 
-/// The same without a map pose: the session's start, with the drift since added to its covariance.
+/// The same without a map pose: the session's start, with the drift of yaw and position since added
+/// to its covariance.
 MapOdomEstimate continued_start(const MapOdomEstimate& start, const PoseEstimate& dead_reckoned);
 
 }  // namespace fleetloc

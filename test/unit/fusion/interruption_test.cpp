@@ -62,6 +62,24 @@ TEST(PoseFusion, GatesTheFirstAnswerAfterAResetAgainstWhatWasCarried) {
   EXPECT_EQ(fed.output.quality, Quality::kDeadReckoning);
 }
 
+TEST(PoseFusion, KnowsAfterAResetThatTheMapIsLevelAboutTheRobot) {
+  FedFusion fed;
+  fed.drive_to(3.0);
+  fed.answer_at(2.8);
+  MapOdomEstimate carried{{exp_so3({0.0, 0.0, 0.8}), {10.0, -4.0, 1.5}},
+                          1e-8 * Matrix6d::Identity()};
+  carried.p_odom = {300.0, 200.0, 0.0};
+  fed.fusion.reset(SessionNumber{2}, carried);
+  const MapOdomEstimate start = *fed.fusion.session_start();
+  const double tilt = fusion_config().answers.map_tilt;
+  EXPECT_NEAR(std::sqrt(start.covariance(0, 0)), tilt, 0.01 * tilt);
+  EXPECT_NEAR(std::sqrt(start.covariance(1, 1)), tilt, 0.01 * tilt);
+  EXPECT_LT(std::sqrt(start.covariance(2, 2)), 2e-4);
+  const Matrix6d A = adjoint({Eigen::Quaterniond::Identity(), -carried.p_odom});
+  const Matrix6d at_robot = A * start.covariance * A.transpose();
+  EXPECT_LT((std::sqrt(at_robot.bottomRightCorner<3, 3>().trace())), 0.07);
+}
+
 TEST(PoseFusion, CarriesNothingOverAResetIfNoAnswerEverCame) {
   FedFusion fed;
   fed.drive_to(3.0);

@@ -119,23 +119,61 @@ TEST(Continuation, TakesTheUncertaintyOver) {
   EXPECT_LT(start.drift(0, 0), 4.1e-4);
 }
 
-TEST(Continuation, CarriesTheMapPoseWithItsCovariance) {
-  const PoseEstimate before = dead_reckoned();
-  const Pose T_odom_body{exp_so3({0.1, -0.2, 1.5}), {3.1, -2.0, 1.0}};
-  const MapOdomEstimate carried = continued_alignment(before, T_odom_body);
-  EXPECT_LT(local_coordinates(carried.T_map_odom * T_odom_body, *before.T_map_body).norm(), 1e-9);
-  const Matrix6d A = adjoint(inverse(T_odom_body));
-  EXPECT_TRUE((A * carried.covariance * A.transpose()).isApprox(before.covariance_map, 1e-9));
+// By a turn about z of the map and a shift of the body, of this T_map_odom.
+Vector6d yaw_and_shift(const MapOdomEstimate& estimate,
+                       double yaw_rad,
+                       const Eigen::Vector3d& shift_map,
+                       const Pose& T_odom_body) {
+  const Pose T_map_body = estimate.T_map_odom * T_odom_body;
+  const Pose moved{exp_so3({0.0, 0.0, yaw_rad}) * T_map_body.R, T_map_body.p + shift_map};
+  return local_coordinates(estimate.T_map_odom, moved * inverse(T_odom_body));
 }
 
-TEST(Continuation, GrowsAStartPoseThatNoAnswerHasConfirmed) {
+TEST(Continuation, CarriesYawAndPositionInTheMapWithTheirCovariance) {
+  PoseEstimate before = dead_reckoned();
+  before.covariance_map.topLeftCorner<2, 2>() *= 1e4;  // the tilt was lost
+  const Pose T_odom_body{exp_so3({0.05, 0.02, 1.4}), {30.0, -20.0, 1.0}};
+  const MapOdomEstimate carried = continued_alignment(before, T_odom_body);
+  EXPECT_LT((carried.T_map_odom.R * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm(),
+            1e-12);
+  const Pose T_map_body = carried.T_map_odom * T_odom_body;
+  EXPECT_LT((T_map_body.p - before.T_map_body->p).norm(), 1e-9);
+  EXPECT_NEAR(log_so3(before.T_map_body->R * T_map_body.R.conjugate()).z(), 0.0, 0.02);
+
+  const auto J = [](const Pose& pose) {
+    Eigen::Matrix<double, 4, 6> result = Eigen::Matrix<double, 4, 6>::Zero();
+    result.topLeftCorner<1, 3>() = pose.R.toRotationMatrix().row(2);
+    result.bottomRightCorner<3, 3>() = pose.R.toRotationMatrix();
+    return result;
+  }(*before.T_map_body);
+  Eigen::Matrix<double, 6, 4> moves;  // numerically, per yaw and shift
+  constexpr double kStep = 1e-6;
+  moves.col(0) = yaw_and_shift(carried, kStep, {0, 0, 0}, T_odom_body) / kStep;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d shift = kStep * Eigen::Vector3d::Unit(i);
+    moves.col(1 + i) = yaw_and_shift(carried, 0.0, shift, T_odom_body) / kStep;
+  }
+  const Matrix6d expected = moves * J * before.covariance_map * J.transpose() * moves.transpose();
+  EXPECT_TRUE(carried.covariance.isApprox(expected, 1e-4)) << carried.covariance - expected;
+}
+
+TEST(Continuation, GrowsAStartPoseThatNoAnswerHasConfirmedByTheDriftOfYawAndPosition) {
   const MapOdomEstimate start{{exp_so3({0.0, 0.0, 0.3}), {1.0, 2.0, 3.0}},
                               0.01 * Matrix6d::Identity()};
-  const MapOdomEstimate grown = continued_start(start, dead_reckoned());
+  PoseEstimate drifted = dead_reckoned();
+  const Eigen::Matrix3d R = drifted.T_odom_body.R.toRotationMatrix();
+  Matrix6d axes = Matrix6d::Zero();  // of the body's perturbation along the axes of odom
+  axes.topLeftCorner<3, 3>() = R;
+  axes.bottomRightCorner<3, 3>() = R;
+  Vector6d variances;
+  variances << 0.3, 0.2, 4e-4, 0.04, 0.09, 0.01;
+  drifted.covariance_odom = axes.transpose() * variances.asDiagonal() * axes;
+  const MapOdomEstimate grown = continued_start(start, drifted);
   EXPECT_LT(local_coordinates(grown.T_map_odom, start.T_map_odom).norm(), 1e-12);
-  const Matrix6d added = grown.covariance - start.covariance;
-  const Matrix6d A = adjoint(inverse(dead_reckoned().T_odom_body));
-  EXPECT_TRUE((A * added * A.transpose()).isApprox(dead_reckoned().covariance_odom, 1e-9));
+  const Matrix6d A = axes * adjoint(inverse(drifted.T_odom_body));
+  variances.head<2>().setZero();
+  const Matrix6d added = A * (grown.covariance - start.covariance) * A.transpose();
+  EXPECT_TRUE(added.isApprox(Matrix6d(variances.asDiagonal()), 1e-9)) << added;
 }
 
 }  // namespace
