@@ -156,20 +156,29 @@ std::optional<SubmapUplink::Plan> SubmapUplink::plan_newest() const {
   return fitted(keyframes, keyframes.size() - 1, true);
 }
 
-// Around the keyframe that is most probably missing, those next to it.
+// Around the keyframe that is most probably missing, those next to it: always the one that misses
+// more. One that an earlier sample has brought already comes after those that no sample has.
 std::optional<SubmapUplink::Plan> SubmapUplink::plan_missing() const {
   const auto seed = most_missing();
   if (!seed) return std::nullopt;
   const auto& all = history_.keyframes();
-  const auto is_wanted = [&](const SubmapKeyframe& keyframe) {
-    return record_.missing(keyframe, loss_) > config_.min_missing;
+  const auto wanted = [&](auto keyframe) -> std::optional<double> {
+    const double missing = record_.missing(*keyframe, loss_);
+    return missing > config_.min_missing ? std::optional(missing) : std::nullopt;
   };
   const auto at = std::ranges::lower_bound(all, *seed, {}, &SubmapKeyframe::id);
   auto first = at;
   auto last = std::next(at);
-  const auto window = static_cast<std::ptrdiff_t>(config_.window);
-  while (last != all.end() && last - first < window && is_wanted(*last)) ++last;
-  while (first != all.begin() && last - first < window && is_wanted(*std::prev(first))) --first;
+  while (last - first < static_cast<std::ptrdiff_t>(config_.window)) {
+    const auto older = first == all.begin() ? std::nullopt : wanted(std::prev(first));
+    const auto newer = last == all.end() ? std::nullopt : wanted(last);
+    if (!older && !newer) break;
+    if (newer >= older) {
+      ++last;
+    } else {
+      --first;
+    }
+  }
   std::vector<KeyframeId> keyframes;
   const auto needed = static_cast<std::size_t>(at - first);
   for (; first != last; ++first) keyframes.push_back(first->id);
