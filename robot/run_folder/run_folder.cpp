@@ -10,6 +10,7 @@
 
 #include "robot/run_folder/run_summary.hpp"
 #include "shared/config/config_reader.hpp"
+#include "shared/geometry/angle.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
@@ -98,7 +99,7 @@ void RunFolder::open() {
   diagnostics_ << "stamp_s,state,since_last_answer_s" << triangle_header("cm")
                << triangle_header("co")
                << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets\n";
-  answers_ << "stamp_s,arrival_s,localizer,status,reason,applied\n";
+  answers_ << "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg\n";
 }
 
 void RunFolder::begin_part() {
@@ -189,9 +190,13 @@ void RunFolder::add_answer(const AnswerRecord& answer) {
     const bool localized = answer.status == LocalizationStatus::kLocalized;
     ++counted_.answers_rejected[localized ? std::string(answer.reason) : status];
   }
-  answers_ << stamp_text(answer.stamp) << ',' << stamp_text(answer.arrival) << ','
-           << answer.localizer << ',' << status << ',' << answer.reason << ','
-           << (answer.applied ? 1 : 0) << '\n';
+  std::string line = stamp_text(answer.stamp) + "," + stamp_text(answer.arrival) + "," +
+                     answer.localizer + "," + status + "," + std::string(answer.reason) + "," +
+                     (answer.applied ? "1" : "0");
+  const std::optional<Vector6d>& innovation = answer.innovation;
+  append(line, ",%.4f", innovation ? innovation->tail<3>().norm() : kNaN);
+  append(line, ",%.4f", innovation ? innovation->head<3>().norm() / kRadPerDeg : kNaN);
+  answers_ << line << '\n';
 }
 
 void RunFolder::finish(RunSummary summary) {

@@ -38,6 +38,8 @@ struct AnswerRecord {
   LocalizationStatus status{};
   std::string_view reason;  ///< name of the fusion's AnswerOutcome
   bool applied = false;
+  /// Of a localized answer's pose from the one known before it, tangent of T_map_body.
+  std::optional<Vector6d> innovation;
 };
 
 /// Content of summary.json; SI units unless a name says otherwise.

@@ -49,7 +49,8 @@ void RunRecorder::write(const RobotOutput& output) {
                         .localizer = answer.answer.localizer,
                         .status = answer.answer.status,
                         .reason = name(answer.outcome),
-                        .applied = answer.outcome.has_value()});
+                        .applied = answer.outcome.has_value(),
+                        .innovation = answer.innovation});
   }
 }
 

@@ -69,7 +69,8 @@ inline void write_run(const std::filesystem::path& folder, bool with_answers) {
                     .localizer = "localizer_1",
                     .status = LocalizationStatus::kLocalized,
                     .reason = i % 100 == 0 ? "gated" : "",
-                    .applied = i % 100 != 0});
+                    .applied = i % 100 != 0,
+                    .innovation = std::nullopt});
   }
   RunSummary summary;
   summary.submaps_sent = 4711;

@@ -27,12 +27,14 @@ constexpr const char* kDiagnosticsHeader =
     "co55,co56,co66,"
     "uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets";
 
+constexpr const char* kAnswersHeader =
+    "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg";
+
 TEST_F(RunFolderTest, MakesTheFolderAndNamesTheColumns) {
   RunFolder(folder_ / "deep" / "run").finish({});
   EXPECT_THAT(lines_of(folder_ / "deep" / "run" / "diagnostics.csv"),
               ElementsAre(kDiagnosticsHeader));
-  EXPECT_THAT(lines_of(folder_ / "deep" / "run" / "answers.csv"),
-              ElementsAre("stamp_s,arrival_s,localizer,status,reason,applied"));
+  EXPECT_THAT(lines_of(folder_ / "deep" / "run" / "answers.csv"), ElementsAre(kAnswersHeader));
 }
 
 TEST_F(RunFolderTest, WritesAsManyFieldsAsColumns) {
@@ -107,17 +109,20 @@ TEST_F(RunFolderTest, WritesMapPosesFromTheFirstLocalizationOn) {
 
 TEST_F(RunFolderTest, WritesWhatBecameOfEachAnswer) {
   RunFolder run(folder_);
-  run.add_answer(answer(LocalizationStatus::kLocalized, ""));
+  AnswerRecord applied = answer(LocalizationStatus::kLocalized, "");
+  applied.innovation = Vector6d{0.0, 0.0, 0.01, 0.3, 0.0, 0.4};
+  run.add_answer(applied);
   run.add_answer(answer(LocalizationStatus::kLocalized, "gated"));
   run.add_answer(answer(LocalizationStatus::kTooFewMatches, ""));
   run.finish({});
   const auto lines = lines_of(folder_ / "answers.csv");
   EXPECT_THAT(
       lines,
-      ElementsAre("stamp_s,arrival_s,localizer,status,reason,applied",
-                  "1403715275.000000000,1403715275.250000000,localizer_1,localized,,1",
-                  "1403715275.000000000,1403715275.250000000,localizer_1,localized,gated,0",
-                  "1403715275.000000000,1403715275.250000000,localizer_1,too_few_matches,,0"));
+      ElementsAre(
+          kAnswersHeader,
+          "1403715275.000000000,1403715275.250000000,localizer_1,localized,,1,0.5000,0.5730",
+          "1403715275.000000000,1403715275.250000000,localizer_1,localized,gated,0,nan,nan",
+          "1403715275.000000000,1403715275.250000000,localizer_1,too_few_matches,,0,nan,nan"));
 }
 
 TEST_F(RunFolderTest, KeepsTheConfiguration) {

@@ -48,7 +48,8 @@ inline AnswerRecord answer(LocalizationStatus status, std::string_view reason) {
           .localizer = "localizer_1",
           .status = status,
           .reason = reason,
-          .applied = status == LocalizationStatus::kLocalized && reason.empty()};
+          .applied = status == LocalizationStatus::kLocalized && reason.empty(),
+          .innovation = std::nullopt};
 }
 
 inline std::vector<std::string> lines_of(const std::filesystem::path& file) {
