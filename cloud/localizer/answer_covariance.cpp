@@ -16,21 +16,24 @@ Matrix6d carried(const Matrix6d& covariance, const Pose& T_map_body, const Pose&
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
+                                                  const DegeneracyConfig& config,
                                                   const Prediction& prediction,
                                                   const Matrix6d& rivals) {
   const std::optional<Matrix6d> marginal = system.covariance_of_newest();
   if (!marginal) return std::nullopt;
   PoseWithCovariance newest{system.T_map_body.back(), *marginal};
-  double weak_sigma_m = 0.0;
-  if (constraint.weak.cols() > 0) {
+  const WeakDirections unknown =
+      constraint.weaker_than(prediction.is_start ? config.start_weak_sigma_m : config.weak_sigma_m);
+  if (unknown.cols() > 0) {
     const PosePrior& before = prediction.before;
     const auto growth = problem.covariance_from(before.keyframe, system.keyframes.back());
     if (!growth) return std::nullopt;
     const Matrix6d known =
         carried(before.estimate.covariance, problem.pose(before.keyframe), newest.T_map_body);
-    newest.covariance = widened_along(constraint, newest, known + *growth);
-    weak_sigma_m = weak_sigma(constraint, newest);
+    newest.covariance = widened_along(unknown, constraint.motion, newest, known + *growth);
   }
+  const WeakDirections weak = constraint.weaker_than(config.weak_sigma_m);
+  const double weak_sigma_m = weak_sigma(weak, constraint.motion, newest);
   newest.covariance += carried(rivals, problem.pose(prediction.prior.keyframe), newest.T_map_body);
   return AnswerCovariance{newest.covariance, weak_sigma_m};
 }

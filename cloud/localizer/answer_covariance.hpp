@@ -16,13 +16,16 @@ struct AnswerCovariance {
 
 /// The marginal of `system`. Along directions that the map does not constrain it is raised to what
 /// was known before the window, carried to the newest keyframe by the odometry of `problem`: what
-/// the optimization adds to it there is noise of the map's normals.
+/// the optimization adds to it there is noise of the map's normals. A first place was looked for in
+/// all the room that the start pose leaves, and its matches were chosen with it: there more
+/// directions count.
 /// @param rivals  of the keyframe that was aligned, that of `prediction.prior`; see
 ///                RigidAlignment::Result
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
+                                                  const DegeneracyConfig& config,
                                                   const Prediction& prediction,
                                                   const Matrix6d& rivals);
 

@@ -55,14 +55,14 @@ Vector6d WindowMotion::gradient(const Eigen::Vector3d& direction_map,
   return result;
 }
 
+WeakDirections MapConstraint::weaker_than(double sigma_m) const {
+  return directions.leftCols((sigmas_m.array() > sigma_m).count());
+}
+
 MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
-                                     const DegeneracyConfig& config,
-                                     bool is_start) {
+                                     double normal_sigma_rad) {
   MapConstraint result;
-  if (matches.empty()) {
-    result.weak = Matrix6d::Identity();
-    return result;
-  }
+  if (matches.empty()) return result;
   result.motion = motion_about(matches);
   Matrix6d information = Matrix6d::Zero();
   double spurious = 0.0;
@@ -72,17 +72,14 @@ MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
     const double weight =
         1.0 / (match.sigma_m * match.sigma_m + n.dot(match.landmark.covariance * n));
     information += weight * gradient * gradient.transpose();
-    spurious += weight * config.normal_sigma_rad * config.normal_sigma_rad;
+    spurious += weight * normal_sigma_rad * normal_sigma_rad;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  const double weak_sigma_m = is_start ? config.start_weak_sigma_m : config.weak_sigma_m;
-  int weak = 0;
   for (int i = 0; i < 6; ++i) {
     const double honest = std::max(eigen.eigenvalues()(i) - spurious, kMinInformation);
     result.sigmas_m(i) = 1.0 / std::sqrt(honest);
-    if (result.sigmas_m(i) > weak_sigma_m) ++weak;
   }
-  result.weak = eigen.eigenvectors().leftCols(weak);
+  result.directions = eigen.eigenvectors();
   return result;
 }
 

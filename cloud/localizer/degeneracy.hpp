@@ -30,15 +30,21 @@ struct WindowMotion {
 
 struct DegeneracyConfig {
   double weak_sigma_m;        ///< a direction that the map alone constrains less is weak
-  double start_weak_sigma_m;  ///< the same, of the first place of a session
+  double start_weak_sigma_m;  ///< along these a first place says no more than the start pose
   double normal_sigma_rad;    ///< noise of the map's normals, which would count as information
 };
+
+/// Directions of a WindowMotion, orthonormal columns in its coordinates.
+using WeakDirections = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 /// How the map alone constrains a rigid motion of the window.
 struct MapConstraint {
   WindowMotion motion;
-  Vector6d sigmas_m = Vector6d::Constant(1e6);          ///< along the eigen-directions, worst first
-  Eigen::Matrix<double, 6, Eigen::Dynamic> weak{6, 0};  ///< orthonormal, in coordinates of motion
+  Vector6d sigmas_m = Vector6d::Constant(1e6);  ///< along each of the directions, worst first
+  Matrix6d directions = Matrix6d::Identity();   ///< orthonormal columns, in those of motion
+
+  /// The directions along which it holds less well than this.
+  [[nodiscard]] WeakDirections weaker_than(double sigma_m) const;
 };
 
 /// Eigen-analysis of the matches' information about a rigid motion of the window. The landmarks are
@@ -46,12 +52,8 @@ struct MapConstraint {
 /// normal. Point-to-point matches count along the normal only, since along the surface the nearest
 /// point of a map follows the landmark. Rotation is scaled by the median distance of the matched
 /// landmarks from their mean.
-///
-/// A first place was looked for in all the room that the start pose leaves, and its matches were
-/// chosen with it: until there is another answer, less counts as weak.
-MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches,
-                                     const DegeneracyConfig& config,
-                                     bool is_start = false);
+/// @param normal_sigma_rad  see DegeneracyConfig
+MapConstraint analyze_map_constraint(const std::vector<MapMatch>& matches, double normal_sigma_rad);
 
 DegeneracyConfig read_degeneracy_config(ConfigReader section);
 

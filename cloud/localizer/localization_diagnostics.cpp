@@ -30,7 +30,6 @@ LocalizationDiagnostics diagnostics_of(const std::vector<KeyframeId>& window,
   result.cost = fit.cost;
   result.median_residual = fit.median_residual;
   result.innovation_sigmas = fit.innovation_sigmas;
-  result.weak_directions = static_cast<int>(fit.constraint.weak.cols());
   result.map_sigmas_m = fit.constraint.sigmas_m;
   return result;
 }

@@ -22,14 +22,13 @@ struct LocalizationDiagnostics {
   int below_ground = 0;                ///< see Association
   int matches = 0;                     ///< of the landmarks, in the last round
   int planar_matches = 0;
-  int rounds = 0;                  ///< of association and optimization
-  int iterations = 0;              ///< of all rounds
-  double gate_m = 0.0;             ///< see Prediction
-  bool is_aligned = false;         ///< the window was aligned as one rigid body first
-  double cost = 0.0;               ///< E_loc at the end
-  double median_residual = 0.0;    ///< of the matches, in standard deviations
-  double innovation_sigmas = 0.0;  ///< Mahalanobis distance from what odometry predicted
-  int weak_directions = 0;
+  int rounds = 0;                            ///< of association and optimization
+  int iterations = 0;                        ///< of all rounds
+  double gate_m = 0.0;                       ///< see Prediction
+  bool is_aligned = false;                   ///< the window was aligned as one rigid body first
+  double cost = 0.0;                         ///< E_loc at the end
+  double median_residual = 0.0;              ///< of the matches, in standard deviations
+  double innovation_sigmas = 0.0;            ///< Mahalanobis distance from what odometry predicted
   Vector6d map_sigmas_m = Vector6d::Zero();  ///< see MapConstraint
 };
 

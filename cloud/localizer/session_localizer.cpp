@@ -142,7 +142,7 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
   }
   if (!fit.is_solved) return fit;
   fit.constraint =
-      analyze_map_constraint(fit.association.matches, config_.degeneracy, prediction.is_start);
+      analyze_map_constraint(fit.association.matches, config_.degeneracy.normal_sigma_rad);
   fit.median_residual =
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);
@@ -156,7 +156,8 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   if (!fits) return unexpected(fits.error());
 
   WindowSystem system = problem_.system();
-  const auto stated = answer_covariance(problem_, system, fit.constraint, prediction, rivals);
+  const auto stated =
+      answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, rivals);
   const auto certain = acceptance_.check_certainty(stated);
   if (!certain) return unexpected(certain.error());
 

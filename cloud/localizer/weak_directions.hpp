@@ -8,11 +8,14 @@
 namespace fleetloc {
 
 /// Covariance of `result`, raised along the weak directions to at least `min_covariance`.
-Matrix6d widened_along(const MapConstraint& constraint,
+Matrix6d widened_along(const WeakDirections& weak,
+                       const WindowMotion& motion,
                        const PoseWithCovariance& result,
                        const Matrix6d& min_covariance);
 
 /// The largest standard deviation of `result` along a weak direction [m]; zero without any.
-double weak_sigma(const MapConstraint& constraint, const PoseWithCovariance& result);
+double weak_sigma(const WeakDirections& weak,
+                  const WindowMotion& motion,
+                  const PoseWithCovariance& result);
 
 }  // namespace fleetloc

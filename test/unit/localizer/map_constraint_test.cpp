@@ -92,53 +92,54 @@ TEST(WindowMotion, MovesAPointAsItsGradientSays) {
   }
 }
 
+constexpr double kNormalSigma = 0.03;  // [rad]
+
 TEST(MapConstraint, FindsTheWeakDirectionsOfAPlaneACorridorAndARoom) {
-  const DegeneracyConfig config{
-      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  EXPECT_EQ(analyze_map_constraint(matches_on({x}, 400), config).weak.cols(), 3);
-  EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config).weak.cols(), 0);
-  EXPECT_EQ(analyze_map_constraint({}, config).weak.cols(), 6);
-  EXPECT_EQ(analyze_map_constraint(matches_on({x, y, z}, 130), config, true).weak.cols(), 6)
-      << "a first place";
+  const auto weak = [](const std::vector<MapMatch>& matches, double sigma_m) {
+    return analyze_map_constraint(matches, kNormalSigma).weaker_than(sigma_m).cols();
+  };
+  EXPECT_EQ(weak(matches_on({x}, 400), 0.025), 3);
+  EXPECT_EQ(weak(matches_on({x, y, z}, 130), 0.025), 0);
+  EXPECT_EQ(weak(matches_on({x, y, z}, 130), 0.002), 6);
+  EXPECT_EQ(weak({}, 0.025), 6);
 
-  const MapConstraint corridor = analyze_map_constraint(matches_on({y, -y, z, -z}, 100), config);
-  ASSERT_EQ(corridor.weak.cols(), 1);
-  EXPECT_GT(std::abs(corridor.weak(3, 0)), 0.99);
+  const MapConstraint corridor =
+      analyze_map_constraint(matches_on({y, -y, z, -z}, 100), kNormalSigma);
+  ASSERT_EQ(corridor.weaker_than(0.025).cols(), 1);
+  EXPECT_GT(std::abs(corridor.weaker_than(0.025)(3, 0)), 0.99);
   EXPECT_GT(corridor.sigmas_m(0), 0.1);
   EXPECT_LT(corridor.sigmas_m(1), 0.01);
 }
 
 TEST(MapConstraint, CountsAnUncertainLandmarkLess) {
-  const DegeneracyConfig config{
-      .weak_sigma_m = 0.025, .start_weak_sigma_m = 0.002, .normal_sigma_rad = 0.03};
   std::vector<MapMatch> matches = matches_on({Eigen::Vector3d::UnitX()}, 100);
-  const double before = analyze_map_constraint(matches, config).sigmas_m(5);
+  const double before = analyze_map_constraint(matches, kNormalSigma).sigmas_m(5);
   for (MapMatch& match : matches) match.landmark.covariance.setIdentity();
-  EXPECT_GT(analyze_map_constraint(matches, config).sigmas_m(5), 20.0 * before);
+  EXPECT_GT(analyze_map_constraint(matches, kNormalSigma).sigmas_m(5), 20.0 * before);
 }
 
 TEST(WeakDirections, AreNeverClaimedToBeKnownBetterThanBefore) {
-  MapConstraint constraint{.motion = {{0.5, 1.5, -1.0}, 2.5}};
-  constraint.weak.resize(6, 2);
-  constraint.weak << Vector6d::Unit(3), Vector6d::Unit(2);
-  const Matrix6d J_body_motion = constraint.motion.J_body_motion(kPose);
+  const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
+  WeakDirections weak(6, 2);
+  weak << Vector6d::Unit(3), Vector6d::Unit(2);
   const Matrix6d wide = 0.04 * Matrix6d::Identity();
   const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
 
-  const Matrix6d W = J_body_motion.inverse();
+  const Matrix6d W = motion.J_body_motion(kPose).inverse();
   const Matrix6d expected = W * wide * W.transpose();
-  const Matrix6d widened = W * widened_along(constraint, {kPose, narrow}, wide) * W.transpose();
+  const Matrix6d known = W * narrow * W.transpose();
+  const Matrix6d widened = W * widened_along(weak, motion, {kPose, narrow}, wide) * W.transpose();
   EXPECT_NEAR(widened(3, 3), expected(3, 3), 1e-9);
   EXPECT_NEAR(widened(2, 2), expected(2, 2), 1e-9);
-  EXPECT_NEAR(widened(4, 4), (W * narrow * W.transpose())(4, 4), 1e-9);
-  EXPECT_NEAR(
-      weak_sigma(constraint, {kPose, narrow}),
-      std::sqrt(std::max((W * narrow * W.transpose())(3, 3), (W * narrow * W.transpose())(2, 2))),
-      1e-9);
-  EXPECT_TRUE(widened_along(constraint, {kPose, wide}, narrow).isApprox(wide));
+  EXPECT_NEAR(widened(4, 4), known(4, 4), 1e-9);
+  EXPECT_NEAR(weak_sigma(weak, motion, {kPose, narrow}),
+              std::sqrt(std::max(known(3, 3), known(2, 2))),
+              1e-9);
+  EXPECT_TRUE(widened_along(weak, motion, {kPose, wide}, narrow).isApprox(wide));
+  EXPECT_EQ(weak_sigma(WeakDirections(6, 0), motion, {kPose, wide}), 0.0);
 }
 
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {

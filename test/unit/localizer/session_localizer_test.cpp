@@ -29,6 +29,12 @@ SessionLocalizer localizer_for(const SimulatedSession& robot) {
   return {robot.session(), room_map(), localizer_config()};
 }
 
+// Of the latest answer.
+long weak_directions(const SessionLocalizer& localizer) {
+  const Vector6d& sigmas_m = localizer.diagnostics().map_sigmas_m;
+  return (sigmas_m.array() > localizer_config().degeneracy.weak_sigma_m).count();
+}
+
 TEST(SessionLocalizer, FindsARoughlyKnownStartInARoomHonestlyForEverySeed) {
   constexpr int kSeeds = 100;
   constexpr int kKeyframes = 8;
@@ -84,7 +90,7 @@ TEST(SessionLocalizer, StaysOnTheMapWhileItsWindowMovesOn) {
     ++count;
   }
   EXPECT_EQ(localizer.diagnostics().keyframes, 40);
-  EXPECT_EQ(localizer.diagnostics().weak_directions, 0);
+  EXPECT_EQ(weak_directions(localizer), 0);
   EXPECT_LT(nees_sum / count / 6.0, 1.5);
   EXPECT_LT(localizer.memory_bytes(), 10'000'000U);
 }
@@ -274,7 +280,7 @@ TEST(SessionLocalizer, HoldsACorridorsDirectionByOdometryAndSaysSo) {
     if (i < 10 || i % 3 != 0) continue;
     const LocalizationResult answer = localizer.localize();
     ASSERT_EQ(name(answer.status), name(kLocalized)) << "keyframe " << i;
-    EXPECT_EQ(localizer.diagnostics().weak_directions, 1) << "keyframe " << i;
+    EXPECT_EQ(weak_directions(localizer), 1) << "keyframe " << i;
 
     const Eigen::Matrix3d R = answer.T_map_body.R.toRotationMatrix();
     const Eigen::Matrix3d covariance =
