@@ -1,8 +1,9 @@
 // A robot that is switched on where it is parked, where it sees too little to be found in the map,
-// and drives off 40 s later: by images, replayed.
+// and drives off 40 s later, in a crowd, also in the dark: by images, replayed.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <optional>
 #include <vector>
@@ -35,11 +36,22 @@ double bytes_up_per_s(const std::filesystem::path& run, Timestamp begin) {
   return (bytes.back() - bytes.front()) / (kDrivesOff - kHeld);
 }
 
-TEST(ParkedReplay, HoldsItsPoseAndThenDrivesOff) {
+class ParkedReplay : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(,
+                         ParkedReplay,
+                         testing::Values("", "{kind: black_images, start_s: 17, duration_s: 20}"),
+                         [](const auto& lighting) {
+                           return *lighting.param == '\0' ? "InTheLight" : "InTheDark";
+                         });
+
+TEST_P(ParkedReplay, HoldsItsPoseAndThenDrivesOff) {
   if (kSanitized) GTEST_SKIP() << "too slow with sanitizers; the programs' parts run elsewhere";
   const RecordedFlight flight = simulated_parked();
   const ScratchFolder scratch;
   const auto folder = scratch / "run";
+  const auto faults = scratch / "faults.yaml";
+  std::ofstream(faults) << "seed: 1\nfaults: [" << GetParam() << "]\n";
   must_run(FLEETLOC_REPLAY,
            {"--dataset",
             flight.folder,
@@ -47,6 +59,8 @@ TEST(ParkedReplay, HoldsItsPoseAndThenDrivesOff) {
             flight.map,
             "--initial-pose",
             flight.displaced_start_pose(),
+            "--faults",
+            faults,
             "--out",
             folder});
 

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ const fs::path kRecipe = FLEETLOC_SOURCE_DIR "/test/system/simulated_flight.cpp"
 constexpr const char* kRoomDuration = kSanitized ? "12" : "44";   // [s]
 constexpr const char* kStreetDuration = kSanitized ? "2" : "24";  // [s]
 constexpr const char* kParkedRest = kSanitized ? "1" : "40";      // [s]
+constexpr const char* kParkedPeople = "40.0";                     // per 100 m
 constexpr const char* kParkedDuration = kSanitized ? "2" : "52";  // [s]
 
 void simulate(const fs::path& out, const char* duration_s, Words words) {
@@ -60,17 +62,24 @@ void make_street(const fs::path& folder) {
   simulate(folder / "flight", kStreetDuration, seen);
 }
 
-// The drive along the street, once the robot has stood at its begin.
+// The first of such lines gets another value.
+std::string with_value(std::string text, const std::string& line, const std::string& value) {
+  const auto at = text.find(line);
+  if (at == std::string::npos) throw std::logic_error("the world has no line '" + line + "'");
+  return text.replace(at, line.size(), line.substr(0, line.find(':')) + ": " + value);
+}
+
+// The drive along the street, once the robot has stood at its begin while people passed.
 void make_parked(const fs::path& folder) {
   std::cout << "making " << folder << ": " << kParkedDuration << " s on a street" << std::endl;
-  std::string route = content_of(kWorlds / "quad.yaml");
-  const std::string rest = "rest_s: 2.5";
-  route.replace(route.find(rest), rest.size(), std::string("rest_s: ") + kParkedRest);
-  std::ofstream(folder / "route.yaml") << route;
-  simulate(
-      folder / "flight",
-      kParkedDuration,
-      {"--scene", kWorlds / "campus.yaml", "--route", folder / "route.yaml", "--season", "autumn"});
+  const fs::path route = folder / "route.yaml";
+  const fs::path scene = folder / "scene.yaml";
+  std::ofstream(route) << with_value(content_of(kWorlds / "quad.yaml"), "rest_s: 2.5", kParkedRest);
+  std::ofstream(scene) << with_value(
+      content_of(kWorlds / "campus.yaml"), "people_per_100_m: 2.0", kParkedPeople);  // of autumn
+  simulate(folder / "flight",
+           kParkedDuration,
+           {"--scene", scene, "--route", route, "--season", "autumn"});
 }
 
 RecordedFlight kept_flight(const fs::path& kept) {
