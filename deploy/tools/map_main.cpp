@@ -29,7 +29,8 @@ struct BuildOptions {
   std::string frame = "map";
 };
 
-constexpr double kPlanar = 0.8;  // sigma across is at most a fifth of that along
+constexpr double kPlanar = 0.8;      // sigma across is at most a fifth of that along
+constexpr double kMinPlanar = 0.05;  // share of the points; maps of real places have half or more
 
 void print(const LaserMap& map) {
   const MapInfo& info = map.info();
@@ -40,13 +41,26 @@ void print(const LaserMap& map) {
             << info.max.transpose() << " m\ncontent hash " << to_string(info.hash) << '\n';
 }
 
+// A map that is too sparse for its normals is a map in which nobody is localized for long.
+void warn_if_sparse(const LaserMap& map, const MapConfig& config) {
+  if (planar_share(map, kPlanar) >= kMinPlanar) return;
+  std::cerr
+      << "fleetloc-map: warning: hardly any point lies on a surface that its neighbours show, "
+         "so robots will not be localized: the points are too far apart for "
+         "map.normal_radius_m "
+      << config.normal_radius_m << ". Three times their distance is enough (--config)\n";
+}
+
 LaserMap map_of(const std::vector<Eigen::Vector3f>& points,
                 const BuildOptions& options,
                 const MapConfig& config) {
   ProgressLine line("normals");
-  return build_map(points, options.frame, config, [&line](std::size_t done, std::size_t total) {
-    line.show(done, total);
-  });
+  LaserMap map =
+      build_map(points, options.frame, config, [&line](std::size_t done, std::size_t total) {
+        line.show(done, total);
+      });
+  warn_if_sparse(map, config);
+  return map;
 }
 
 void save(const LaserMap& map, const std::filesystem::path& out) {

@@ -14,6 +14,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 using Options = std::map<std::string, std::string>;
 using Words = std::vector<std::string>;
@@ -115,6 +116,21 @@ class CommandLine : public testing::Test {
 
   const ScratchFolder scratch_;
 };
+
+TEST_F(CommandLine, TheMapToolWarnsOfPointsThatAreTooSparseForTheirNormals) {
+  write_wall(scratch_ / "sparse.ply", 0.3);
+  std::ofstream(scratch_ / "wide.yaml") << "map: {normal_radius_m: 0.9}\n";
+  std::vector<std::string> words{
+      "build", "--cloud", file("sparse.ply"), "--out", file("sparse.pcd")};
+  const Outcome sparse = run(FLEETLOC_MAP, words);
+  EXPECT_EQ(sparse.exit_code, 0);
+  EXPECT_THAT(sparse.errors, HasSubstr("warning: "));
+  EXPECT_THAT(sparse.errors, HasSubstr("map.normal_radius_m 0.15"));
+  words.insert(words.end(), {"--config", file("wide.yaml")});
+  const Outcome wide = run(FLEETLOC_MAP, words);
+  EXPECT_EQ(wide.exit_code, 0) << wide.errors;
+  EXPECT_THAT(wide.errors, Not(HasSubstr("warning")));
+}
 
 TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
   for (const char* program : {FLEETLOC_ROBOT,

@@ -30,14 +30,14 @@ inline void write_dataset(const std::filesystem::path& folder) {
 }
 
 /// A point cloud, 3 x 3 m.
-inline void write_wall(const std::filesystem::path& file) {
+inline void write_wall(const std::filesystem::path& file, double spacing_m = 0.05) {
   constexpr int kSide = 60;
   std::ofstream stream(file);
   stream << "ply\nformat ascii 1.0\nelement vertex " << kSide * kSide
          << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   for (int row = 0; row < kSide; ++row) {
     for (int column = 0; column < kSide; ++column) {
-      stream << 0.05 * row << ' ' << 0.05 * column << " 0\n";
+      stream << spacing_m * row << ' ' << spacing_m * column << " 0\n";
     }
   }
 }
