@@ -12,7 +12,7 @@ set(FLEETLOC_LAYERS
     "robot/sensors robot/calibration"
     "robot/dataset robot/live robot/tracking robot/inertial cloud/point_cloud"
     "robot/vio robot/submap robot/fusion robot/uplink cloud/laser_map cloud/mapping"
-    "robot/odometry robot/cloud_client cloud/localizer"
+    "robot/odometry robot/cloud_client cloud/localizer cloud/locate"
     "robot/pipeline cloud/pool"
     "robot/runtime"
     "robot/run_folder"

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cloud/laser_map/laser_map.hpp"
+#include "cloud/locate/cell_grid.hpp"
+#include "shared/config/config_reader.hpp"
+
+namespace fleetloc {
+
+/// How well a landmark in a cell of the map is explained by a surface, and bounds of it over ever
+/// larger windows of columns. Cell (x, y, z) spans [x, x + 1) * cell_m along the axes of the map,
+/// and so on. The windows are those of Hess et al., "Real-time loop closure in 2D LIDAR SLAM" (ICRA
+/// 2016): as fine as the cells at each level, so that no bound is looser than its window.
+class MapPyramid {
+ public:
+  struct Config {
+    double cell_m;      ///< edge of the cells
+    int levels;         ///< windows of level k have 2^k cells an edge
+    double level_from;  ///< vertical part of a unit normal; above it a surface is level
+  };
+  static constexpr int kFull = 255;  ///< value of a cell with a surface in it
+
+  /// Level surfaces are left out: the ground is everywhere.
+  MapPyramid(const LaserMap& map, const Config& config);
+
+  [[nodiscard]] double cell_m() const { return cell_m_; }
+  [[nodiscard]] int levels() const { return static_cast<int>(windows_.size()); }
+  [[nodiscard]] const Eigen::Vector3i& min() const { return values_.min(); }
+  [[nodiscard]] const Eigen::Vector3i& max() const { return values_.max(); }
+
+  /// Of a cell: kFull with a surface, less beside one.
+  [[nodiscard]] std::uint8_t value(int x, int y, int z) const { return values_.at(x, y, z); }
+
+  /// The largest value in the columns [x, x + 2^level) x [y, y + 2^level), at any height.
+  [[nodiscard]] std::uint8_t largest(int level, int x, int y) const {
+    const Window& window = windows_[static_cast<std::size_t>(level)];
+    const auto ix = static_cast<std::uint32_t>(x - window.x);
+    const auto iy = static_cast<std::uint32_t>(y - window.y);
+    if (ix >= window.width || iy >= window.depth) return 0;
+    return window.values[static_cast<std::size_t>(iy) * window.width + ix];
+  }
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct Window {
+    int x = 0;  // the first one
+    int y = 0;
+    std::uint32_t width = 0;
+    std::uint32_t depth = 0;
+    std::vector<std::uint8_t> values;
+  };
+
+  static Window columns_of(const CellGrid& values);
+  static Window doubled(const MapPyramid& map, int level);
+
+  double cell_m_;
+  CellGrid values_;
+  std::vector<Window> windows_;  // by level
+};
+
+MapPyramid::Config read_map_pyramid_config(ConfigReader section);
+
+}  // namespace fleetloc

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <queue>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cloud/locate/map_pyramid.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/geometry/pose.hpp"
+
+namespace fleetloc {
+
+/// A landmark as the robot knows it before it knows where it is: in a frame whose z axis points up.
+struct SeenLandmark {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();          ///< [m]
+  Eigen::Vector3d viewpoint = Eigen::Vector3d::Zero();  ///< of the camera that saw it last [m]
+  int weight = 1;                                       ///< from 1
+};
+
+/// Where the robot may be.
+struct SearchRegion {
+  Eigen::Vector3d min_map = Eigen::Vector3d::Zero();  ///< of the landmarks' mean [m]
+  Eigen::Vector3d max_map = Eigen::Vector3d::Zero();
+};
+
+/// A place for the landmarks: x_map = T_map_seen * x.
+struct FoundPlace {
+  Pose T_map_seen;     ///< turned about z only
+  double score = 0.0;  ///< share of the landmarks that the map explains, in 0..1
+};
+
+/// Looks for the places of a map that explain what a robot has seen best, over all positions of a
+/// region and all headings: branch and bound over a MapPyramid, best first. Places are found in the
+/// order of their score, and none is left out: what the finest cells and headings can express is
+/// compared as if each had been tried.
+class PlaceSearch {
+ public:
+  struct Config {
+    int max_places;    ///< are looked for
+    double min_share;  ///< of the best place's score: places with less are of no interest
+    double same_m;     ///< places nearer than this, and
+    double same_rad;   ///< turned by less than this, are one
+  };
+
+  PlaceSearch(const MapPyramid& map,
+              const std::vector<SeenLandmark>& landmarks,
+              const SearchRegion& region,
+              const Config& config);
+
+  /// Goes on for about so many evaluations of a landmark.
+  /// @return whether it has ended
+  bool advance(std::size_t evaluations);
+
+  /// So far, the best first: these are final, and no other place has more than max_score_of_rest().
+  [[nodiscard]] const std::vector<FoundPlace>& places() const { return places_; }
+  [[nodiscard]] double max_score_of_rest() const;
+  [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
+  /// Steps of the heading in a turn: none moves a landmark by more than a cell.
+  [[nodiscard]] int headings() const { return static_cast<int>(cells_.size()); }
+
+ private:
+  /// A heading, and positions [at, at + 2^level) along x and y, at any height; one height for a
+  /// leaf.
+  struct Node {
+    int bound = 0;
+    std::int16_t level = 0;
+    std::int16_t yaw = 0;
+    Eigen::Vector3i at = Eigen::Vector3i::Zero();
+    [[nodiscard]] bool is_leaf() const { return level == kLeaf; }
+    bool operator<(const Node& other) const {
+      return bound != other.bound ? bound < other.bound : level > other.level;
+    }
+  };
+  static constexpr std::int16_t kLeaf = -1;
+
+  void add_roots();
+  void add(int level, int yaw, const Eigen::Vector3i& at);
+  void split(const Node& node);
+  void take(const Node& leaf);
+  [[nodiscard]] double score_of(const Node& node) const;
+
+  const MapPyramid& map_;
+  Config config_;
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the landmarks
+  std::vector<int> weights_;
+  std::vector<std::vector<Eigen::Vector3i>> cells_;  // of the landmarks, by heading
+  Eigen::Vector3i first_;                            // position of the region
+  Eigen::Vector3i last_;
+  int full_score_ = 0;
+  std::priority_queue<Node> queue_;
+  std::vector<FoundPlace> places_;
+  std::size_t evaluations_ = 0;
+  int best_leaf_ = 0;     // that was added so far
+  int best_dropped_ = 0;  // bound of what is of no interest
+};
+
+PlaceSearch::Config read_place_search_config(ConfigReader section);
+
+}  // namespace fleetloc

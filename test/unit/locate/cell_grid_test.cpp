@@ -1,0 +1,57 @@
+#include "cloud/locate/cell_grid.hpp"
+
+#include <map>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "shared/core/counter_random.hpp"
+
+namespace fleetloc {
+namespace {
+
+TEST(CellGrid, KeepsTheLargestOfEachCellAndIsZeroElsewhere) {
+  const Eigen::Vector3i min(-13, 5, -2);
+  const Eigen::Vector3i max(22, 30, 9);
+  CellGrid grid(min, max);
+  std::map<std::tuple<int, int, int>, std::uint8_t> expected;
+  const CounterRandom random(1, 1);
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    Eigen::Vector3i cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double share = random.uniform(i, static_cast<std::uint64_t>(axis));
+      cell(axis) = min(axis) + static_cast<int>(share * (max(axis) - min(axis)));
+    }
+    const auto value = static_cast<std::uint8_t>(1.0 + 254.0 * random.uniform(i, 3));
+    grid.raise(cell, value);
+    std::uint8_t& kept = expected[{cell.x(), cell.y(), cell.z()}];
+    kept = std::max(kept, value);
+  }
+  for (int z = min.z() - 20; z < max.z() + 20; ++z) {
+    for (int y = min.y() - 20; y < max.y() + 20; ++y) {
+      for (int x = min.x() - 20; x < max.x() + 20; ++x) {
+        const auto found = expected.find({x, y, z});
+        ASSERT_EQ(grid.at(x, y, z), found == expected.end() ? 0 : found->second)
+            << x << ' ' << y << ' ' << z;
+      }
+    }
+  }
+  std::size_t visited = 0;
+  grid.for_each([&](const Eigen::Vector3i& cell, std::uint8_t value) {
+    EXPECT_EQ((expected[{cell.x(), cell.y(), cell.z()}]), value);
+    ++visited;
+  });
+  EXPECT_EQ(visited, expected.size());
+}
+
+TEST(CellGrid, TakesMemoryWhereSomethingIs) {
+  CellGrid grid({0, 0, 0}, {800, 600, 40});
+  const std::size_t empty = grid.bytes();
+  EXPECT_LT(empty, 200'000U);
+  for (int i = 0; i < 8; ++i) grid.raise({i, i, i}, 1);
+  EXPECT_EQ(grid.bytes(), empty + 512U);
+  EXPECT_EQ(CellGrid().at(0, 0, 0), 0);
+}
+
+}  // namespace
+}  // namespace fleetloc

@@ -1,0 +1,179 @@
+#include "cloud/locate/place_search.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "shared/geometry/so3.hpp"
+#include "test/unit/locate/street_map.hpp"
+
+namespace fleetloc {
+namespace {
+
+const PlaceSearch::Config kConfig{
+    .max_places = 4, .min_share = 0.5, .same_m = 2.0, .same_rad = 0.3};
+constexpr std::size_t kAll = 1'000'000'000;
+
+SearchRegion all_of(const LaserMap& map) {
+  return {.min_map = map.info().min, .max_map = map.info().max};
+}
+
+/// What a robot sees that stands at `T_map_seen`, in its own frame.
+std::vector<SeenLandmark> seen_at(const Pose& T_map_seen,
+                                  const std::vector<Eigen::Vector3d>& p_map) {
+  std::vector<SeenLandmark> landmarks;
+  for (const Eigen::Vector3d& p : p_map) {
+    landmarks.push_back({.p = inverse(T_map_seen) * p});
+    landmarks.back().weight = 1 + static_cast<int>(landmarks.size() % 3);
+  }
+  return landmarks;
+}
+
+Pose some_place(std::uint64_t seed) {
+  const CounterRandom random(seed, 2);
+  return {exp_so3({0.0, 0.0, 2.0 * std::numbers::pi * random.uniform(0)}),
+          {8.0 + 24.0 * random.uniform(1), 8.0 + 14.0 * random.uniform(2), 1.2}};
+}
+
+/// The best score of all headings and positions, each tried.
+double best_by_trying_all(const MapPyramid& map,
+                          const std::vector<SeenLandmark>& landmarks,
+                          const SearchRegion& region,
+                          int headings) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const SeenLandmark& landmark : landmarks) center += landmark.p;
+  center /= static_cast<double>(landmarks.size());
+  const Eigen::Vector3i first = (region.min_map / map.cell_m()).array().floor().cast<int>();
+  const Eigen::Vector3i last = (region.max_map / map.cell_m()).array().floor().cast<int>();
+  int best = 0;
+  int full = 0;
+  for (const SeenLandmark& landmark : landmarks) full += MapPyramid::kFull * landmark.weight;
+  for (int heading = 0; heading < headings; ++heading) {
+    const double yaw = heading * (2.0 * std::numbers::pi / headings);
+    std::vector<Eigen::Vector3i> cells;
+    for (const SeenLandmark& landmark : landmarks) {
+      const Eigen::Vector3d p = (landmark.p - center) / map.cell_m();
+      const Eigen::Vector3d turned(std::cos(yaw) * p.x() - std::sin(yaw) * p.y(),
+                                   std::sin(yaw) * p.x() + std::cos(yaw) * p.y(),
+                                   p.z());
+      cells.emplace_back(turned.array().floor().cast<int>());
+    }
+    for (int z = first.z(); z <= last.z(); ++z) {
+      for (int y = first.y(); y <= last.y(); ++y) {
+        for (int x = first.x(); x <= last.x(); ++x) {
+          int score = 0;
+          for (std::size_t i = 0; i < cells.size(); ++i) {
+            score += landmarks[i].weight *
+                     map.value(x + cells[i].x(), y + cells[i].y(), z + cells[i].z());
+          }
+          best = std::max(best, score);
+        }
+      }
+    }
+  }
+  return static_cast<double>(best) / full;
+}
+
+TEST(PlaceSearch, FindsWhatTryingAllFinds) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const StreetMap street(seed, 8);
+    const LaserMap map = street.map();
+    const MapPyramid pyramid(map, pyramid_config());
+    const Pose truth = some_place(seed);
+    // Half of what is seen is not in the map.
+    auto landmarks = seen_at(truth, street.seen_from(truth.p, 10.0, 12));
+    const CounterRandom random(seed, 3);
+    for (std::uint64_t i = 0; i < 12; ++i) {
+      landmarks.push_back({.p = 4.0 * random.normal3(i), .weight = 2});
+    }
+    PlaceSearch search(pyramid, landmarks, all_of(map), kConfig);
+    ASSERT_TRUE(search.advance(kAll));
+    ASSERT_FALSE(search.places().empty());
+    const double best = best_by_trying_all(pyramid, landmarks, all_of(map), search.headings());
+    EXPECT_NEAR(search.places().front().score, best, 1e-12) << "seed " << seed;
+    EXPECT_TRUE(
+        std::ranges::is_sorted(search.places(), std::ranges::greater{}, &FoundPlace::score));
+    EXPECT_LE(search.max_score_of_rest(), search.places().back().score);
+  }
+}
+
+TEST(PlaceSearch, FindsWhereTheRobotIsFromAnyPlaceAndHeading) {
+  int found = 0;
+  std::size_t evaluations = 0;
+  constexpr int kTrials = 20;
+  for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const StreetMap street(seed);
+    const LaserMap map = street.map();
+    const MapPyramid pyramid(map, pyramid_config());
+    const Pose truth = some_place(seed);
+    const auto p_map = street.seen_from(truth.p, 12.0, 100);
+    ASSERT_FALSE(p_map.empty()) << "seed " << seed;
+    PlaceSearch search(pyramid, seen_at(truth, p_map), all_of(map), kConfig);
+    ASSERT_TRUE(search.advance(kAll));
+    evaluations += search.evaluations();
+    const FoundPlace& best = search.places().front();
+    double worst_m = 0.0;
+    for (const Eigen::Vector3d& p : p_map) {
+      worst_m = std::max(worst_m, (best.T_map_seen * (inverse(truth) * p) - p).norm());
+    }
+    EXPECT_GT(best.score, 0.9) << "seed " << seed;
+    found += worst_m < 2.0 ? 1 : 0;
+  }
+  std::printf("%d of %d found, %.1f million evaluations each\n",
+              found,
+              kTrials,
+              1e-6 * static_cast<double>(evaluations) / kTrials);
+  EXPECT_GE(found, 18);
+}
+
+TEST(PlaceSearch, GoesOnWhereItPaused) {
+  const StreetMap street(4);
+  const LaserMap map = street.map();
+  const MapPyramid pyramid(map, pyramid_config());
+  const Pose truth = some_place(4);
+  const auto landmarks = seen_at(truth, street.seen_from(truth.p, 12.0, 60));
+  PlaceSearch at_once(pyramid, landmarks, all_of(map), kConfig);
+  ASSERT_TRUE(at_once.advance(kAll));
+  PlaceSearch in_turns(pyramid, landmarks, all_of(map), kConfig);
+  int turns = 1;
+  while (!in_turns.advance(20'000)) ++turns;
+  EXPECT_GT(turns, 3);
+  EXPECT_EQ(in_turns.evaluations(), at_once.evaluations());
+  ASSERT_EQ(in_turns.places().size(), at_once.places().size());
+  for (std::size_t i = 0; i < in_turns.places().size(); ++i) {
+    EXPECT_EQ(in_turns.places()[i].score, at_once.places()[i].score);
+  }
+}
+
+TEST(PlaceSearch, LooksOnlyWhereTheRobotMayBe) {
+  const StreetMap street(4);
+  const LaserMap map = street.map();
+  const MapPyramid pyramid(map, pyramid_config());
+  const Pose truth = some_place(4);
+  const auto p_map = street.seen_from(truth.p, 12.0, 60);
+  SearchRegion region = all_of(map);
+  region.min_map.x() = truth.p.x() > 20.0 ? 0.0 : 20.0;
+  region.max_map.x() = region.min_map.x() + 19.0;
+  PlaceSearch search(pyramid, seen_at(truth, p_map), region, kConfig);
+  ASSERT_TRUE(search.advance(kAll));
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : p_map) center += p / static_cast<double>(p_map.size());
+  for (const FoundPlace& place : search.places()) {
+    const double x = (place.T_map_seen * (inverse(truth) * center)).x();
+    EXPECT_GE(x, region.min_map.x() - 0.5);
+    EXPECT_LE(x, region.max_map.x());
+  }
+}
+
+TEST(PlaceSearch, FindsNothingWithoutLandmarks) {
+  const LaserMap map = StreetMap(1).map();
+  const MapPyramid pyramid(map, pyramid_config());
+  PlaceSearch search(pyramid, {}, all_of(map), kConfig);
+  EXPECT_TRUE(search.advance(kAll));
+  EXPECT_TRUE(search.places().empty());
+}
+
+}  // namespace
+}  // namespace fleetloc
