@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -92,12 +91,6 @@ std::size_t MapPyramid::bytes() const {
   std::size_t sum = values_.bytes();
   for (const Window& window : windows_) sum += window.values.size();
   return sum;
-}
-
-MapPyramid::Config read_map_pyramid_config(ConfigReader section) {
-  return {.cell_m = section.positive("cell_m"),
-          .levels = section.integer("levels", 2, 12),
-          .level_from = section.number("level_from", 0.0, 1.0)};
 }
 
 }  // namespace fleetloc

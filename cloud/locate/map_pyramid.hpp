@@ -8,7 +8,6 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/locate/cell_grid.hpp"
-#include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
 
@@ -63,7 +62,5 @@ class MapPyramid {
   CellGrid values_;
   std::vector<Window> windows_;  // by level
 };
-
-MapPyramid::Config read_map_pyramid_config(ConfigReader section);
 
 }  // namespace fleetloc

@@ -78,10 +78,7 @@ void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
     best_dropped_ = std::max(best_dropped_, bound);
     return;
   }
-  queue_.push({.bound = bound,
-               .level = static_cast<std::int16_t>(level),
-               .yaw = static_cast<std::int16_t>(yaw),
-               .at = at});
+  queue_.push({.bound = bound, .level = level, .yaw = yaw, .at = at});
 }
 
 void PlaceSearch::split(const Node& node) {
@@ -124,6 +121,7 @@ bool PlaceSearch::advance(std::size_t evaluations) {
     const Node node = queue_.top();
     queue_.pop();
     if (node.is_leaf()) {
+      ++evaluations_;  // there may be many of one place
       take(node);
     } else {
       split(node);
@@ -140,13 +138,6 @@ double PlaceSearch::max_score_of_rest() const {
   if (full_score_ == 0) return 0.0;
   const int queued = queue_.empty() ? 0 : queue_.top().bound;
   return static_cast<double>(std::max(queued, best_dropped_)) / full_score_;
-}
-
-PlaceSearch::Config read_place_search_config(ConfigReader section) {
-  return {.max_places = section.integer("max_places", 1, 1000),
-          .min_share = section.number("min_share", 0.0, 1.0),
-          .same_m = section.positive("same_m"),
-          .same_rad = section.positive("same_rad")};
 }
 
 }  // namespace fleetloc

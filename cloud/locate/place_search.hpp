@@ -1,14 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <queue>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "cloud/locate/map_pyramid.hpp"
-#include "shared/config/config_reader.hpp"
 #include "shared/geometry/pose.hpp"
 
 namespace fleetloc {
@@ -66,15 +64,15 @@ class PlaceSearch {
   /// leaf.
   struct Node {
     int bound = 0;
-    std::int16_t level = 0;
-    std::int16_t yaw = 0;
+    int level = 0;
+    int yaw = 0;
     Eigen::Vector3i at = Eigen::Vector3i::Zero();
     [[nodiscard]] bool is_leaf() const { return level == kLeaf; }
     bool operator<(const Node& other) const {
       return bound != other.bound ? bound < other.bound : level > other.level;
     }
   };
-  static constexpr std::int16_t kLeaf = -1;
+  static constexpr int kLeaf = -1;
 
   void add_roots();
   void add(int level, int yaw, const Eigen::Vector3i& at);
@@ -96,7 +94,5 @@ class PlaceSearch {
   int best_leaf_ = 0;     // that was added so far
   int best_dropped_ = 0;  // bound of what is of no interest
 };
-
-PlaceSearch::Config read_place_search_config(ConfigReader section);
 
 }  // namespace fleetloc

@@ -167,6 +167,23 @@ TEST(PlaceSearch, LooksOnlyWhereTheRobotMayBe) {
   }
 }
 
+TEST(PlaceSearch, BearsALandmarkThatIsFarAwayByMistake) {
+  const StreetMap street(4);
+  const LaserMap map = street.map();
+  const MapPyramid pyramid(map, pyramid_config());
+  const Pose truth{exp_so3({0.0, 0.0, 6.1}), some_place(4).p};
+  std::vector<Eigen::Vector3d> p_map = street.seen_from(truth.p, 12.0, 30);
+  std::vector<SeenLandmark> landmarks = seen_at(truth, p_map);
+  landmarks.push_back({.p = {3000.0, 0.0, 1.0}});
+  landmarks.push_back({.p = {-3000.0, 0.0, 1.0}});  // so that their mean is in the map
+  PlaceSearch search(pyramid, landmarks, all_of(map), kConfig);
+  EXPECT_GT(search.headings(), 32'767);
+  ASSERT_TRUE(search.advance(kAll));
+  for (const Eigen::Vector3d& p : p_map) {
+    EXPECT_LT((search.places().front().T_map_seen * (inverse(truth) * p) - p).norm(), 2.0);
+  }
+}
+
 TEST(PlaceSearch, FindsNothingWithoutLandmarks) {
   const LaserMap map = StreetMap(1).map();
   const MapPyramid pyramid(map, pyramid_config());
