@@ -97,6 +97,12 @@ class UplinkTest : public testing::Test {
     answer_at_ = now_ + milliseconds(100);
   }
 
+  void another_localizer_begins() {
+    stored_.clear();
+    received_ = {};
+    uplink_.restart(SessionNumber{1}, Incarnation{1});
+  }
+
   /// Share of the observations of the latest 40 keyframes but two that the cloud has.
   [[nodiscard]] double stored_share() const {
     double stored = 0.0;
@@ -155,18 +161,14 @@ TEST_F(UplinkTest, AfterAnOutageTheLatestFortyKeyframesArrive) {
 
 TEST_F(UplinkTest, AnotherLocalizerGetsAllKeyframesWithinSeconds) {
   drive(50, 0.0);
-  stored_.clear();
-  received_ = {};
-  uplink_.restart(SessionNumber{1}, Incarnation{1});
+  another_localizer_begins();
   drive(5, 0.0);
   EXPECT_GT(stored_share(), 0.95);
 }
 
 TEST_F(UplinkTest, AnotherLocalizerGetsSomethingOfEachKeyframeWithinASecond) {
   drive(50, 0.0);
-  stored_.clear();
-  received_ = {};
-  uplink_.restart(SessionNumber{1}, Incarnation{1});
+  another_localizer_begins();
   drive(2, 0.0);
   EXPECT_GE(stored_.size(), 37U) << "of 40: none waits for the rest of another one";
 }
