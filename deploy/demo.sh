@@ -9,7 +9,8 @@ usage: deploy/demo.sh [--out DIR] [--rate R]
 
 Without DATASET: makes a world, surveys it with a lidar in summer and makes the map, then drives two
 robots through it in autumn, each with its poor link to two localizers, all of them processes of
-their own, and writes DIR/report.html. World and map are kept for the next time.
+their own, and writes DIR/report.html. World and map are kept for the next time. The robots are live:
+fleetloc-play stands in for their cameras and IMUs, over topics of ROS 2 on this computer.
 
 DATASET is a folder in the EuRoC/ASL layout with a laser map and ground truth:
   mav0/{cam0,cam1,imu0}/           images, IMU and their sensor.yaml
@@ -22,7 +23,7 @@ One localizer and one robot localize it, without an emulated link.
                   there, displaced by 0.3 m and 3 degrees of yaw
 --out DIR         default: out/demo
 Installs what is missing (see deploy/install-deps.sh) and builds first. FLEETLOC_DOMAIN is the DDS
-domain (0).
+domain (0); the sensors of each robot have one of those behind it.
 TEXT
 }
 
@@ -146,21 +147,53 @@ start_localizers() {  # MAP QOS NAME...
   done
 }
 
-# Waits for the robots, all of whom have to succeed before a localizer ends.
-robots=()
+# The sensors of a robot as topics of ROS 2, in a domain of its own.
+write_sensors() {  # NAME DATASET NUMBER
+  local line folder="'${2//\'/\'\'}'"  # for YAML
+  while IFS= read -r line; do
+    case $line in
+      domain:*) echo "domain: $(((domain + $3) % 101))" ;;
+      *) echo "${line//DATASET/"$folder"}" ;;
+    esac
+  done <"$root/deploy/config/sensors-play.yaml" >"$out/$1.sensors.yaml"
+}
+robots=() drivers=()
+start_robot() {  # NAME DATASET QOS INITIAL_POSE [OPTION...]
+  rm -rf "${out:?}/$1"
+  write_sensors "$1" "$2" $((${#robots[@]} + 1))
+  start "$1" "$bin/fleetloc-robot" --robot-id "$1" --sensors "$out/$1.sensors.yaml" --qos "$3" \
+    --domain "$domain" --initial-pose "$4" --out "$out/$1" "${@:5}" >"$out/$1.log" 2>&1
+  robots+=("$child")
+}
+start_drivers() {  # NAME DATASET
+  start "$1_drivers" "$bin/fleetloc-play" "$2" --sensors "$out/$1.sensors.yaml" --rate "$rate" \
+    --wait 60
+  drivers+=("$child")
+}
+
+# Waits for the end of the recordings, before which nobody else may end; then ends the robots.
 wait_for_robots() {
-  local ended name status i
-  while [ ${#robots[@]} -gt 0 ]; do
+  local ended status i
+  while [ ${#drivers[@]} -gt 0 ]; do
     status=0
-    wait -n -p ended "${robots[@]}" "${localizers[@]}" || status=$?
-    name=${name_of[$ended]}
-    unset "name_of[$ended]"
-    [[ " ${localizers[*]} " != *" $ended "* ]] || status="$status, too early"
-    [ "$status" = 0 ] || fail "$name ended with exit code $status$(last_words "$name")"
-    for i in "${!robots[@]}"; do
-      [ "${robots[$i]}" != "$ended" ] || unset "robots[$i]"
+    wait -n -p ended "${drivers[@]}" "${robots[@]}" "${localizers[@]}" || status=$?
+    [[ " ${drivers[*]} " == *" $ended "* ]] || status="$status, too early"
+    has_ended "$ended" "$status"
+    for i in "${!drivers[@]}"; do
+      [ "${drivers[$i]}" != "$ended" ] || unset "drivers[$i]"
     done
   done
+  kill -TERM "${robots[@]}"
+  for ended in "${robots[@]}"; do
+    status=0
+    wait "$ended" || status=$?
+    has_ended "$ended" "$status"
+  done
+}
+has_ended() {  # CHILD STATUS
+  local name=${name_of[$1]}
+  unset "name_of[$1]"
+  [ "$2" = 0 ] || fail "$name ended with exit code $2$(last_words "$name")"
 }
 last_words() {  # NAME
   [ ! -s "$out/$1.log" ] || echo ": $(tail -n 1 "$out/$1.log")"
@@ -175,7 +208,7 @@ build() {
 
 recorded_flight() {
   local truth=$dataset/$truth_in
-  build fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval
+  build fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-play fleetloc-eval
   begin map
   run "$bin/fleetloc-map" build --cloud "$dataset/mav0/pointcloud0/data.ply" --out "$out/map.pcd" ||
     fail "no map"
@@ -184,10 +217,8 @@ recorded_flight() {
   begin run "localizer and robot, DDS domain $domain, rate $rate"
   start_localizers "$out/map.pcd" "$root/qos_profiles/lan.xml" localizer_1
   grep serving "$out/localizer_1.log"
-  start robot_1 "$bin/fleetloc-robot" --robot-id robot_1 --dataset "$dataset" \
-    --qos "$root/qos_profiles/lan.xml" --domain "$domain" --rate "$rate" \
-    --initial-pose "$initial_pose" --out "$out/robot_1"
-  robots=("$child")
+  start_robot robot_1 "$dataset" "$root/qos_profiles/lan.xml" "$initial_pose"
+  start_drivers robot_1 "$dataset"
   wait_for_robots
   end "${localizers[@]}"
   finish
@@ -200,7 +231,8 @@ made_up_world() {
   local demo=$root/deploy/worlds/demo world=$out/world name
   local truths=() runs=() folders=() sessions=()
   local names=(robot_1 robot_2) localizer_names=(localizer_1 localizer_2)
-  build fleetloc-sim fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-eval fleetloc-monitor
+  build fleetloc-sim fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-play fleetloc-eval \
+    fleetloc-monitor
   rm -rf "$out/report.html" "$out/summary.json"
 
   begin map "a survey with lidar in summer, and the map made of it"
@@ -215,12 +247,9 @@ made_up_world() {
   begin run "${#names[@]} robots and ${#localizer_names[@]} localizers, DDS domain $domain, rate $rate"
   start_localizers "$world/map/map.pcd" "$root/qos_profiles/nbiot.xml" "${localizer_names[@]}"
   for name in "${names[@]}"; do
-    rm -rf "${out:?}/$name"
-    start "$name" "$bin/fleetloc-robot" --robot-id "$name" --dataset "$world/drives/$name" \
-      --qos "$root/qos_profiles/nbiot.xml" --link "$demo/link.yaml" --domain "$domain" \
-      --rate "$rate" --initial-pose "$(cat "$world/drives/$name.start")" \
-      --out "$out/$name" >"$out/$name.log" 2>&1
-    robots+=("$child")
+    start_robot "$name" "$world/drives/$name" "$root/qos_profiles/nbiot.xml" \
+      "$(cat "$world/drives/$name.start")" --link "$demo/link.yaml"
+    start_drivers "$name" "$world/drives/$name" >"$out/${name}_drivers.log" 2>&1
     runs+=("$out/$name")
   done
   for name in "${localizer_names[@]}"; do

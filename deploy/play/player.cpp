@@ -29,7 +29,10 @@ SensorsConfig read_sensors(const PlayOptions& options) {
 }  // namespace
 
 Player::Player(const PlayOptions& options)
-    : options_(options), sensors_(read_sensors(options)), first_(opened()), publisher_(sensors_) {}
+    : options_(options),
+      sensors_(read_sensors(options)),
+      first_(opened()),
+      publisher_(sensors_, first_->calibration()) {}
 
 std::unique_ptr<DatasetReader> Player::opened() const {
   return std::make_unique<DatasetReader>(DatasetReader::Options{
@@ -69,7 +72,7 @@ void Player::run(const std::stop_token& stop) {
   }
 }
 
-void Player::wait_for_readers(const std::stop_token& stop) const {
+void Player::wait_for_readers(const std::stop_token& stop) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLook(10);
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -77,6 +80,7 @@ void Player::wait_for_readers(const std::stop_token& stop) const {
   std::mutex mutex;
   std::condition_variable_any never;  // only a stop ends a wait early
   while (!publisher_.has_readers() && Clock::now() < end && !stop.stop_requested()) {
+    publisher_.publish_camera_info(first_->recording_start());
     std::unique_lock lock(mutex);
     never.wait_for(lock, stop, kLook, [] { return false; });
   }

@@ -38,7 +38,7 @@ class Player {
   [[nodiscard]] std::unique_ptr<DatasetReader> opened() const;
   [[nodiscard]] std::unique_ptr<SensorSource> in_real_time(
       std::unique_ptr<DatasetReader> recording) const;
-  void wait_for_readers(const std::stop_token& stop) const;
+  void wait_for_readers(const std::stop_token& stop);
   void play(SensorSource& recording, const std::stop_token& stop);
 
   PlayOptions options_;

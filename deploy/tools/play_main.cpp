@@ -15,8 +15,8 @@ using namespace fleetloc;
 
 constexpr const char* kDescription =
     "Publishes a recording in real time as the drivers of a stereo camera and an IMU would: "
-    "sensor_msgs/Image (mono8) and sensor_msgs/Imu as ROS 2 has them on the wire, over DDS and "
-    "without ROS.\n\n"
+    "sensor_msgs/Image (mono8) or CompressedImage (JPEG), Imu and, if --sensors names its topics, "
+    "CameraInfo, as ROS 2 has them on the wire, over DDS and without ROS.\n\n"
     "It stays on this computer (loopback). Topics, their QoS and the domain are those of "
     "--sensors, the file that is given to fleetloc-robot, too; without it /camera/left/image_raw, "
     "/camera/right/image_raw and /imu in domain 0. Stamps are those of the recording, in each loop "

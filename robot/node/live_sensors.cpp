@@ -68,6 +68,7 @@ LiveSensors::LiveSensors(const SensorsConfig& config,
     : config_(config),
       say_(std::move(say)),
       waiting_(std::move(waiting)),
+      participant_(participant),
       topics_(participant, subscriptions(config)),
       assembler_(assembler_config(config, rig), names(config), rig.cameras),
       thread_([this](const std::stop_token& stop) { listen(stop); }) {}
@@ -105,7 +106,7 @@ void LiveSensors::listen(const std::stop_token& stop) {
       } else {
         poll(boot_time());
       }
-      check_buffers(boot_time());
+      check_datagrams(boot_time());
       for (const std::string& event : take_events()) say_(event);
       given_.notify_one();
     }
@@ -179,16 +180,36 @@ void LiveSensors::poll(ArrivalTime now) {
   assembler_.poll(now);
 }
 
-void LiveSensors::check_buffers(ArrivalTime now) {
+void LiveSensors::check_datagrams(ArrivalTime now) {
   constexpr std::chrono::seconds kInterval(1);
   if (now < next_check_) return;
   next_check_ = now + kInterval;
+  check_buffers(now);
+  check_form(now);
+}
+
+void LiveSensors::check_buffers(ArrivalTime now) {
   const BufferLoss loss = buffer_loss(static_cast<std::uint32_t>(config_.domain));
   const std::lock_guard lock(mutex_);
   if (loss.datagrams <= lost_datagrams_) return;
   lost_datagrams_ = loss.datagrams;
   if (!complaints_.is_new("receive buffers", now)) return;
   sentences_.push_back(buffer_advice(loss, rmem_max_bytes()));
+}
+
+void LiveSensors::check_form(ArrivalTime now) {
+  std::uint64_t datagrams = 0;
+  std::string defects;
+  for (const auto& [defect, count] : participant_.malformed()) {
+    datagrams += count;
+    defects += fmt::format("{}{} {}", defects.empty() ? "" : ", ", defect, count);
+  }
+  const std::lock_guard lock(mutex_);
+  if (datagrams <= malformed_datagrams_) return;
+  malformed_datagrams_ = datagrams;
+  if (!complaints_.is_new("malformed datagrams", now)) return;
+  sentences_.push_back(fmt::format(
+      "domain {} of ROS 2: datagrams that are not RTPS were dropped: {}", config_.domain, defects));
 }
 
 std::vector<std::string> LiveSensors::take_events() {
@@ -205,6 +226,7 @@ std::map<std::string, std::uint64_t> LiveSensors::faults() const {
   faults["dropped_images"] += topics_.dropped(kLeft) + topics_.dropped(kRight);
   faults["dropped_imu_backlog"] += topics_.dropped(kImu);
   faults["datagrams_without_room"] += lost_datagrams_;
+  faults["malformed_datagrams"] += malformed_datagrams_;
   return faults;
 }
 

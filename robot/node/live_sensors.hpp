@@ -23,7 +23,8 @@ namespace fleetloc {
 /// Measurements from topics of ROS 2. A thread of its own decodes what arrives and feeds the
 /// SensorAssembler, so that silence is noticed also while nobody takes anything. A message that
 /// cannot be used is counted and said, and never ends anything. What the kernel drops for want of
-/// room is said with the setting to raise. Has no end but a stop.
+/// room is said with the setting to raise, and that somebody sends what is not RTPS. Has no end but
+/// a stop.
 class LiveSensors final : public SensorSource {
  public:
   /// Takes a sentence for the log, from the thread of the sensors.
@@ -45,8 +46,8 @@ class LiveSensors final : public SensorSource {
 
   /// Those of the SensorAssembler; "images_", "imu_" and "initial_pose_" by Ros2Refusal;
   /// "initial_pose_in_another_frame"; "dropped_images" and
-  /// "dropped_imu_backlog": not decoded in time; "datagrams_without_room": dropped by the kernel.
-  /// Any thread.
+  /// "dropped_imu_backlog": not decoded in time; "datagrams_without_room": dropped by the kernel;
+  /// "malformed_datagrams": of any topic of the participant. Any thread.
   [[nodiscard]] std::map<std::string, std::uint64_t> faults() const;
 
   /// Topics on which nothing usable comes at present. Any thread.
@@ -55,7 +56,9 @@ class LiveSensors final : public SensorSource {
  private:
   void listen(const std::stop_token& stop);
   void poll(ArrivalTime now);
+  void check_datagrams(ArrivalTime now);
   void check_buffers(ArrivalTime now);
+  void check_form(ArrivalTime now);
   void add(const Ros2Sample& sample);
   void add_image(Side side, const Ros2Sample& sample);
   void add_imu(const Ros2Sample& sample);
@@ -70,18 +73,20 @@ class LiveSensors final : public SensorSource {
   SensorsConfig config_;
   Say say_;
   std::function<void()> waiting_;
+  const Ros2Participant& participant_;
   Ros2Reader topics_;
 
   mutable std::mutex mutex_;
   std::condition_variable_any given_;
-  SensorAssembler assembler_;                     // guarded by mutex_, as are the next six
+  SensorAssembler assembler_;                     // guarded by mutex_, as are the next seven
   std::map<std::string, std::uint64_t> refused_;  // by kind and reason
   Complaints complaints_;
   std::vector<std::string> sentences_;   // to be said
   std::optional<GivenPose> given_pose_;  // the newest, not taken yet
   std::exception_ptr error_;
   std::uint64_t lost_datagrams_ = 0;
-  ArrivalTime next_check_;  // of the buffers; used by the thread only
+  std::uint64_t malformed_datagrams_ = 0;
+  ArrivalTime next_check_;  // used by the thread only
   std::jthread thread_;     // last: uses the others
 };
 

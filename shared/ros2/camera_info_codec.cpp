@@ -62,6 +62,22 @@ CameraInfoMessage camera_info(const Camera& camera, const Ros2Header& header) {
   return info;
 }
 
+std::array<CameraInfoMessage, 2> camera_info(const StereoCalibration& pair) {
+  const RectifiedStereo ideal = rectified(pair);
+  const auto of = [&](const Camera& camera, const Pose& T_body_cam, double baseline_m) {
+    CameraInfoMessage info = camera_info(camera, {});
+    using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const RowMajor R_rectified_cam =
+        (ideal.T_body_cam0.R.inverse() * T_body_cam.R).toRotationMatrix();
+    std::copy_n(R_rectified_cam.data(), info.R.size(), info.R.begin());
+    const double f = ideal.focal_px;
+    const Eigen::Vector2d& c = ideal.center_px;
+    info.P = {f, 0.0, c.x(), -f * baseline_m, 0.0, f, c.y(), 0.0, 0.0, 0.0, 1.0, 0.0};
+    return info;
+  };
+  return {of(pair.cam0, pair.T_body_cam0, 0.0), of(pair.cam1, pair.T_body_cam1, ideal.baseline_m)};
+}
+
 Bytes encode(const CameraInfoMessage& message) {
   CameraInfo_ info;
   info.header(to_ros2(message.header));

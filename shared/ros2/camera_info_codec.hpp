@@ -39,6 +39,10 @@ struct CameraInfoMessage {
 /// A camera that is not rectified: P is K, R is the identity.
 CameraInfoMessage camera_info(const Camera& camera, const Ros2Header& header);
 
+/// Left and right camera of a pair, without headers. Images are as they were taken: K and D hold; R
+/// and P are of a pair that is rectified().
+std::array<CameraInfoMessage, 2> camera_info(const StereoCalibration& pair);
+
 Bytes encode(const CameraInfoMessage& message);
 
 /// Finite numbers, a size of at most 64 million pixels, focal lengths above zero. Whether R and P

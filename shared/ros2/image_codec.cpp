@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <idl/ros2/sensor_msgs.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "shared/ros2/compressed_image.hpp"
 #include "shared/ros2/pixel_encoding.hpp"
@@ -27,6 +28,17 @@ Bytes encode(const ImageMessage& message) {
   image.is_bigendian(0);
   image.step(static_cast<std::uint32_t>(gray.cols));
   image.data(std::vector<std::uint8_t>(gray.data, gray.data + gray.total()));
+  return to_cdr(image);
+}
+
+Bytes encode_as_jpeg(const ImageMessage& message, int quality) {
+  assert(message.gray.type() == CV_8UC1 && !message.gray.empty());
+  std::vector<std::uint8_t> file;
+  cv::imencode(".jpg", message.gray, file, {cv::IMWRITE_JPEG_QUALITY, quality});
+  CompressedImage_ image;
+  image.header(to_ros2(message.header));
+  image.format("mono8; jpeg compressed mono8");  // as image_transport has it
+  image.data(std::move(file));
   return to_cdr(image);
 }
 

@@ -21,6 +21,11 @@ struct ImageMessage {
 /// @param message  a gray image that is not empty
 Bytes encode(const ImageMessage& message);
 
+/// As CompressedImage in JPEG.
+/// @param message  a gray image that is not empty
+/// @param quality  0 to 100
+Bytes encode_as_jpeg(const ImageMessage& message, int quality);
+
 /// At most 64 million pixels in an encoding of to_gray(). Never throws.
 Ros2Decoded<ImageMessage> decode_image(std::span<const std::uint8_t> bytes);
 

@@ -140,7 +140,7 @@ int DdsChannel::matched_readers(Topic topic, const std::string& receiver) {
 ChannelDiagnostics DdsChannel::diagnostics() const {
   const std::lock_guard lock(mutex_);
   ChannelDiagnostics result = diagnostics_;
-  result.malformed = wire_->traffic.malformed_datagrams();
+  result.malformed = wire_->malformed.counts();
   return result;
 }
 

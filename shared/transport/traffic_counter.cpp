@@ -20,24 +20,11 @@ void TrafficCounter::received(std::uint32_t bytes) {
   received_.add(bytes, 1);
 }
 
-void TrafficCounter::malformed(RtpsDefect defect) {
-  malformed_.at(static_cast<std::size_t>(defect)).fetch_add(1, kRelaxed);
-}
-
 WireTraffic TrafficCounter::total() const {
   return {.sent_bytes = sent_.bytes.load(kRelaxed),
           .received_bytes = received_.bytes.load(kRelaxed),
           .sent_datagrams = sent_.datagrams.load(kRelaxed),
           .received_datagrams = received_.datagrams.load(kRelaxed)};
-}
-
-std::map<std::string, std::uint64_t> TrafficCounter::malformed_datagrams() const {
-  std::map<std::string, std::uint64_t> counts;
-  for (std::size_t i = 0; i < malformed_.size(); ++i) {
-    const std::uint64_t count = malformed_.at(i).load(kRelaxed);
-    if (count > 0) counts.emplace(name(static_cast<RtpsDefect>(i)), count);
-  }
-  return counts;
 }
 
 }  // namespace fleetloc

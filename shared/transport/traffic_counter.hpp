@@ -1,12 +1,7 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
-#include <map>
-#include <string>
-
-#include "shared/transport/workarounds/datagram_check.hpp"
 
 namespace fleetloc {
 
@@ -25,13 +20,9 @@ class TrafficCounter {
   /// @param copies  of it, each to another address
   void sent(std::uint32_t bytes, std::uint64_t copies);
   void received(std::uint32_t bytes);
-  /// One that is dropped, and in none of the above.
-  void malformed(RtpsDefect defect);
 
   /// Each number for itself is exact; together they may be from different moments.
   [[nodiscard]] WireTraffic total() const;
-  /// By the name of their defect.
-  [[nodiscard]] std::map<std::string, std::uint64_t> malformed_datagrams() const;
 
  private:
   // On a cache line of its own: the threads that receive do not wait for those that send.
@@ -43,7 +34,6 @@ class TrafficCounter {
   };
 
   Direction sent_, received_;
-  std::array<std::atomic<std::uint64_t>, kRtpsDefects> malformed_{};  // by defect
 };
 
 }  // namespace fleetloc

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "shared/transport/emulated_link.hpp"
+#include "shared/transport/malformed_datagrams.hpp"
 #include "shared/transport/traffic_counter.hpp"
 #include "shared/transport/wire_version.hpp"
 #include "shared/transport/workarounds/answered_heartbeats.hpp"
@@ -36,6 +37,7 @@ struct WireLink {
   PeerAddressFilter addresses;
   StartGate start;
   TrafficCounter traffic;
+  MalformedDatagrams malformed;  ///< in none of the traffic's numbers
 };
 
 }  // namespace fleetloc

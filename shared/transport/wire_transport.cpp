@@ -330,7 +330,7 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
                         const rtps::Locator_t& remote) {
   const RtpsBytes datagram(buffer, size);
   const auto checked = check_rtps(datagram);
-  if (!checked) return link_->traffic.malformed(checked.error());
+  if (!checked) return link_->malformed.add(checked.error());
   if (own_.includes(datagram) ||
       (link_->ignores_own_process && own_.are_of_same_process(datagram))) {
     return receiver->OnDataReceived(buffer, size, local, remote);

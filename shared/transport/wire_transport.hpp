@@ -2,13 +2,10 @@
 
 #include <memory>
 
-#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
-
+#include "shared/transport/checked_transport.hpp"
 #include "shared/transport/wire_link.hpp"
 
 namespace fleetloc {
-
-using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;
 
 /// A transport around `udp`, which must be a UDP transport, that checks and counts what passes,
 /// leaves out addresses, and emulates the link. The steps and their order: shared/README.md, "How a

@@ -81,6 +81,42 @@ TEST_P(LiveFlight, UsesNearlyAllPairsThatArePlayed) {
   expect_used(robot, played(sensors_));
 }
 
+/// Drivers that tell the calibration beside the images, which are JPEG.
+class LiveCalibration : public LiveFlight {
+ protected:
+  void SetUp() override {
+    LiveFlight::SetUp();
+    if (IsSkipped()) return;
+    const DatasetReader recording({.folder = flight_.folder});
+    const Pose& T_imu_cam0 = recording.calibration().T_body_cam0;
+    const ImuNoise& noise = recording.imu_noise();
+    std::ofstream file(sensors_);
+    file.precision(17);
+    file << "domain: " << ros_domain()
+         << "\ntopics:"
+            "\n  left: {name: /camera/left/image_raw, transport: compressed, qos: default}"
+            "\n  right: {name: /camera/right/image_raw, transport: compressed, qos: default}"
+            "\n  imu: {name: /imu, qos: default}"
+            "\ncalibration:\n  camera_info:"
+            "\n    left: {name: /camera/left/camera_info, qos: default}"
+            "\n    right: {name: /camera/right/camera_info, qos: default}"
+            "\n    images: raw"
+         << "\n    T_imu_cam0: [" << T_imu_cam0.p.x() << ", " << T_imu_cam0.p.y() << ", "
+         << T_imu_cam0.p.z() << ", " << T_imu_cam0.R.x() << ", " << T_imu_cam0.R.y() << ", "
+         << T_imu_cam0.R.z() << ", " << T_imu_cam0.R.w() << "]"
+         << "\n    imu_noise:"
+         << "\n      gyroscope_noise_density: " << noise.gyroscope_noise_density
+         << "\n      gyroscope_random_walk: " << noise.gyroscope_random_walk
+         << "\n      accelerometer_noise_density: " << noise.accelerometer_noise_density
+         << "\n      accelerometer_random_walk: " << noise.accelerometer_random_walk << "\n";
+  }
+};
+
+TEST_P(LiveCalibration, ComesOnTopicsBesideCompressedImages) {
+  ChildProgram robot(FLEETLOC_ROBOT, live_robot(kRobot));
+  expect_used(robot, played(sensors_));
+}
+
 /// A camera with a computer of its own, on a network without multicast.
 class CameraNetwork : public LiveFlight {
  protected:
@@ -133,6 +169,10 @@ TEST_P(CameraNetwork, BringsNearlyAllPairsToTheRobot) {
 INSTANTIATE_TEST_SUITE_P(Simulated,
                          LiveFlight,
                          testing::Values(LiveCase{"Room", simulated_room, "25"}),
+                         [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(Simulated,
+                         LiveCalibration,
+                         testing::Values(LiveCase{"Room", simulated_room, "6"}),
                          [](const auto& one) { return std::string(one.param.name); });
 INSTANTIATE_TEST_SUITE_P(Simulated,
                          CameraNetwork,

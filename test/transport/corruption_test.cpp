@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "test/transport/ros2_network.hpp"
 #include "test/transport/rtps_messages.hpp"
 #include "test/transport/test_network.hpp"
 #include "test/transport/wire_samples.hpp"
@@ -32,9 +33,9 @@ Bytes mutated(Bytes bytes, std::mt19937& random) {
 // Sends to all ports that participants of a domain listen on, and hears what they tell everyone.
 class Intruder {
  public:
-  explicit Intruder(std::uint32_t domain) : domain_(domain) {
-    constexpr std::uint32_t kUnusedId = 119;  // participants look for others up to that id
-    const sockaddr_in own = address_of(kUnusedId, 0);
+  /// @param unused_id  of a participant; the others look for it
+  Intruder(std::uint32_t domain, std::uint32_t unused_id) : domain_(domain) {
+    const sockaddr_in own = address_of(unused_id, 0);
     if (bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) {
       throw std::system_error(errno, std::generic_category(), "bind");
     }
@@ -137,7 +138,7 @@ TEST_F(DdsCorruption, OfEveryTopicToALocalizerKeepsNoOtherRobotOut) {
 
 TEST_F(DdsCorruption, OfDatagramsEndsNoProgramAndKeepsNobodyOut) {
   ASSERT_TRUE(submap_of_a_good_robot_arrives(0));
-  const Intruder intruder(network_.domain());
+  const Intruder intruder(network_.domain(), 119);
   const Bytes announced = intruder.hear();
   ASSERT_GT(announced.size(), 100U);
   constexpr GuidPrefix kNobody{1, 15, 6, 6, 6};
@@ -165,6 +166,34 @@ TEST_F(DdsCorruption, OfAnswersToARobotKeepsNoLaterAnswerOut) {
       good_,
       [&] { cloud_.send("good", valid, {}); },
       [&](const Message& message) { return message.payload == valid.payload; }));
+}
+
+// Whatever is sent to the ports where a robot listens for its drivers.
+TEST(Ros2Corruption, OfDatagramsEndsNoRobotAndKeepsNoDriverOut) {
+  const Ros2Network network;
+  const Ros2Topic topic{"rt/imu", "sensor_msgs::msg::dds_::Imu_", Ros2Qos::kDefault};
+  Ros2Participant driver(network.domain());
+  Ros2Participant robot(network.domain());
+  Ros2Reader reader(robot, {{topic, 10}});
+  Ros2Writer writer = driver.create_writer(topic);
+  ASSERT_TRUE(comes_true([&] { return writer.matched_readers() == 1; }));
+  const Intruder intruder(network.domain(), 31);
+  const Bytes announced = intruder.hear();
+  ASSERT_GT(announced.size(), 100U);
+  constexpr GuidPrefix kNobody{1, 15, 6, 6, 6};
+  const Bytes of_nobody = with_prefix(announced, kNobody);
+  std::mt19937 random(5);
+  for (std::uint32_t trial = 1; trial <= kTrials; ++trial) {
+    intruder.send(random_message(random, kNobody));
+    intruder.send(mutated(of_nobody, random));
+    if (trial % 300 != 0) continue;
+    const Bytes sent{0, 1, 0, 0, static_cast<std::uint8_t>(trial / 300), 0, 0, 0};
+    ASSERT_TRUE(writer.write(sent));
+    const auto received = reader.take({}, kPatience);
+    ASSERT_TRUE(received) << trial;
+    EXPECT_EQ(received->payload, sent);
+  }
+  EXPECT_FALSE(robot.malformed().empty());
 }
 
 }  // namespace

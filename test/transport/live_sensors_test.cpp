@@ -15,6 +15,7 @@
 #include "robot/node/calibration_topics.hpp"
 #include "robot/node/ros2_output.hpp"
 #include "robot/node/sensor_topics.hpp"
+#include "shared/geometry/so3.hpp"
 #include "shared/ros2/camera_info_codec.hpp"
 #include "shared/ros2/imu_codec.hpp"
 #include "shared/ros2/pose_codec.hpp"
@@ -103,7 +104,7 @@ class LiveSensorsTest : public testing::Test {
 
   const Ros2Network network_;
   SensorsConfig config_ = sensors(network_.domain());
-  SensorPublisher drivers_{config_};
+  SensorPublisher drivers_{config_, rig().cameras};
   Ros2Participant robot_{network_.domain()};
   Log log_;
   std::optional<LiveSensors> live_;
@@ -222,9 +223,11 @@ TEST_F(LiveSensorsTest, GetNothingForAnImageThatIsMissing) {
   EXPECT_EQ(drivers_.counts().right, 0);
 }
 
-TEST_F(LiveSensorsTest, AreNotPlayedAsCompressedImages) {
-  config_.left.transport = ImageTransport::kCompressed;
-  EXPECT_THROW(SensorPublisher{config_}, ConfigError);
+TEST_F(LiveSensorsTest, AreNotPlayedAsRectifiedImages) {
+  config_.calibration = CameraInfoSource{.left = {.name = "/left/info"},
+                                         .right = {.name = "/right/info"},
+                                         .images = ImageKind::kRectified};
+  EXPECT_THROW((SensorPublisher{config_, rig().cameras}), ConfigError);
 }
 
 TEST(Ros2OutputTest, PublishesPosesOnceThereAreSome) {
@@ -328,6 +331,42 @@ TEST_F(CalibrationTopicsTest, SayWhatIsWrongWithAPair) {
     stop.request_stop();
   });
   EXPECT_FALSE(calibration_from_topics(config_, robot_, log_.say(), stop.get_token()));
+}
+
+// What fleetloc-play tells of a recording's cameras is what a robot takes them for.
+TEST(CameraInfoOfAPair, TellsItsCalibration) {
+  using Distortion = Camera::Distortion;
+  for (const Distortion model : {Distortion::kRadialTangential, Distortion::kEquidistant}) {
+    const auto camera = [&](double focal_px) {
+      return Camera{.width_px = 752,
+                    .height_px = 480,
+                    .focal_px = {focal_px, focal_px + 1.0},
+                    .center_px = {367.0, 248.0},
+                    .distortion = model,
+                    .coefficients = {-0.28, 0.07, 2e-4, 2e-5}};
+    };
+    const StereoCalibration pair{
+        .cam0 = camera(458.0),
+        .cam1 = camera(461.0),
+        .T_body_cam0 = {.R = exp_so3({0.1, -0.2, 1.5}), .p = {-0.02, -0.06, 0.01}},
+        .T_body_cam1 = {.R = exp_so3({0.12, -0.19, 1.48}), .p = {-0.02, 0.05, 0.02}}};
+    const auto [left, right] = camera_info(pair);
+    const auto told = stereo_calibration(whole_image_info(left).value(),
+                                         whole_image_info(right).value(),
+                                         ImageKind::kRaw,
+                                         pair.T_body_cam0);
+    ASSERT_TRUE(told);
+    for (const auto& [told_one, one] :
+         {std::pair(told->cam0, pair.cam0), std::pair(told->cam1, pair.cam1)}) {
+      EXPECT_EQ(told_one.distortion, one.distortion);
+      EXPECT_EQ(told_one.coefficients, one.coefficients);
+      EXPECT_EQ(told_one.focal_px, one.focal_px);
+      EXPECT_EQ(told_one.center_px, one.center_px);
+    }
+    const Pose error = inverse(told->T_body_cam1) * pair.T_body_cam1;
+    EXPECT_NEAR(error.p.norm(), 0.0, 1e-9);
+    EXPECT_NEAR(log_so3(error.R).norm(), 0.0, 1e-9);
+  }
 }
 
 TEST(CameraInfoOfAnImage, IsOfTheWholeImageOnly) {

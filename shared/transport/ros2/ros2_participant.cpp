@@ -18,6 +18,9 @@ namespace {
 
 constexpr const char* kProfile = "ros2";
 
+// Of other vendors, too. The largest sample: an rgb8 image of 22 million pixels.
+constexpr RtpsLimits kLimits{.largest_sample_bytes = 64U << 20U, .allows_extensions = true};
+
 std::string profile_of(Ros2Qos qos) {
   switch (qos) {
     case Ros2Qos::kSensorData:
@@ -68,7 +71,8 @@ bool Ros2Writer::wait_for_acknowledgments(std::chrono::milliseconds max_wait) {
   return writer_->wait_for_acknowledgments(limit) == ReturnCode_t::RETCODE_OK;
 }
 
-Ros2Participant::Ros2Participant(std::uint32_t domain) : participant_(domain, kProfile) {}
+Ros2Participant::Ros2Participant(std::uint32_t domain)
+    : participant_(domain, kProfile, nullptr, {.limits = kLimits}) {}
 
 Ros2Writer Ros2Participant::create_writer(const Ros2Topic& topic) {
   return Ros2Writer(participant_.create_writer(spec_of(topic)));

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -64,6 +65,12 @@ class Ros2Participant {
   /// Both throw TransportError. The participant outlives what it creates.
   Ros2Writer create_writer(const Ros2Topic& topic);
   EntityPtr<eprosima::fastdds::dds::DataReader> create_reader(const Ros2Topic& topic);
+
+  /// Datagrams that were dropped because they are not well-formed RTPS, by their defect. Any
+  /// thread.
+  [[nodiscard]] std::map<std::string, std::uint64_t> malformed() const {
+    return participant_.malformed();
+  }
 
  private:
   Participant participant_;

@@ -20,7 +20,8 @@ constexpr std::uint32_t kMaxBitsOfASet = 256;
 constexpr std::int64_t kMaxNumbers = 1 << 20;  // of samples in one range
 constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max();
 constexpr std::size_t kStatisticsBytes = 56;
-constexpr std::uint32_t kLargestSample = 16U << 20U;  // [B]; far more than any topic has
+constexpr std::array<std::uint8_t, 2> kFastDds{1, 15};  // vendor
+constexpr std::size_t kVendorAt = 6;                    // in the header
 
 bool has_bitmap(Fields& fields) {
   const std::uint32_t bits = fields.u32();
@@ -75,7 +76,7 @@ bool is_data(Fields fields, std::uint8_t flags) {
   return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer);
 }
 
-bool is_data_frag(Fields fields, std::uint8_t flags) {
+bool is_data_frag(Fields fields, std::uint8_t flags, std::uint32_t largest_sample_bytes) {
   constexpr std::size_t kFragmentFields = 12;
   const auto head = sample_head(fields, kFragmentFields);
   if (!head) return false;
@@ -84,7 +85,7 @@ bool is_data_frag(Fields fields, std::uint8_t flags) {
   const std::uint32_t count = own.u16();
   const std::uint32_t size = own.u16();
   const std::uint32_t sample = own.u32();
-  if (first == 0 || count == 0 || size == 0 || sample > kLargestSample) return false;
+  if (first == 0 || count == 0 || size == 0 || sample > largest_sample_bytes) return false;
   const std::uint32_t fragments = (sample + size - 1) / size;
   if (first > fragments || count > fragments - first + 1) return false;
   if ((flags & kInlineQos) != 0 && !skip_parameters(fields)) return false;
@@ -143,7 +144,7 @@ bool is_statistics(std::uint8_t flags, std::size_t length) {
 }
 
 // Nothing for a submessage of an unknown kind.
-std::optional<bool> is_valid(const RtpsSubmessage& submessage) {
+std::optional<bool> is_valid(const RtpsSubmessage& submessage, const RtpsLimits& limits) {
   const auto& [kind, flags, body] = submessage;
   const Fields fields = submessage.fields();
   switch (kind) {
@@ -168,7 +169,7 @@ std::optional<bool> is_valid(const RtpsSubmessage& submessage) {
     case RtpsKind::kData:
       return is_data(fields, flags);
     case RtpsKind::kDataFrag:
-      return is_data_frag(fields, flags);
+      return is_data_frag(fields, flags, limits.largest_sample_bytes);
     case RtpsKind::kStatistics:
       return is_statistics(flags, body.size());
   }
@@ -195,18 +196,22 @@ std::string_view name(RtpsDefect defect) {
   return "";
 }
 
-expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram) {
+expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
+                                      const RtpsLimits& limits) {
   const bool has_header =
       datagram.size() >= kRtpsHeaderBytes && std::ranges::equal(datagram.first(4), kMagic);
   if (!has_header) return unexpected(RtpsDefect::kNotRtps);
   if (datagram[4] != kMajorVersion) return unexpected(RtpsDefect::kVersion);
+  const bool is_of_fast_dds = std::ranges::equal(datagram.subspan(kVendorAt, 2), kFastDds);
   Bytes rest = datagram.subspan(kRtpsHeaderBytes);
   while (!rest.empty()) {
     const auto submessage = take_submessage(rest);
     if (!submessage) return unexpected(RtpsDefect::kCutShort);
-    const std::optional<bool> valid = is_valid(*submessage);
-    if (!valid) return unexpected(RtpsDefect::kUnknownSubmessage);
     const bool is_statistics = submessage->kind == RtpsKind::kStatistics;
+    if (is_statistics && !is_of_fast_dds && limits.allows_extensions) continue;  // their own
+    const std::optional<bool> valid = is_valid(*submessage, limits);
+    if (!valid && limits.allows_extensions) continue;
+    if (!valid) return unexpected(RtpsDefect::kUnknownSubmessage);
     if (is_statistics && (!*valid || !rest.empty())) return unexpected(RtpsDefect::kStatistics);
     if (!*valid) return unexpected(RtpsDefect::kInvalidSubmessage);
   }

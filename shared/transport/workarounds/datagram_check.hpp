@@ -18,19 +18,28 @@ enum class RtpsDefect : std::uint8_t {
   kNotRtps,            ///< no header of RTPS
   kVersion,            ///< another major version
   kCutShort,           ///< within a submessage
-  kUnknownSubmessage,  ///< of a kind that neither the standard nor Fast DDS has
+  kUnknownSubmessage,  ///< of a kind that neither RTPS 2.2 nor Fast DDS has
   kInvalidSubmessage,  ///< its fields contradict each other, or its length
   kStatistics          ///< those of Fast DDS where it does not put them
 };
 inline constexpr std::size_t kRtpsDefects = 6;
 std::string_view name(RtpsDefect defect);
 
+/// What is taken beside what the grammar says.
+struct RtpsLimits {
+  std::uint32_t largest_sample_bytes = 16U << 20U;  ///< in fragments; memory is taken for all of it
+  /// Submessages of other vendors and of later versions, which Fast DDS skips; its own robots and
+  /// localizers send none.
+  bool allows_extensions = false;
+};
+
 /// Checks that a datagram conforms to the grammar of RTPS (OMG, DDS Interoperability Wire
 /// Protocol 2.2, chapter 9.4): header, submessages within their lengths, sets, inline QoS and the
 /// parameter lists of discovery. Fast DDS trusts what it is sent in places, and one malformed
-/// datagram would end the program: pass it only datagrams that are well formed. Of vendors'
-/// submessages only the one that Fast DDS puts behind each of its messages (statistics) is taken;
-/// the library asserts its size and place.
-expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram);
+/// datagram would end the program: pass it only datagrams that are well formed. The submessage that
+/// Fast DDS puts behind each of its messages (statistics) is taken there only: the library asserts
+/// its size and place.
+expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
+                                      const RtpsLimits& limits = {});
 
 }  // namespace fleetloc

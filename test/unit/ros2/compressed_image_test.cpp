@@ -1,4 +1,5 @@
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "test/unit/ros2/samples.hpp"
 
@@ -35,6 +36,16 @@ TEST(Ros2CompressedImage, AJpegIsReadNearly) {
       decode_compressed_image(message_with(file_of(gray, ".jpg"))).value().gray;
   ASSERT_EQ(received.size(), gray.size());
   EXPECT_LE(cv::norm(received, gray, cv::NORM_INF), 2.0);
+}
+
+TEST(Ros2CompressedImage, WhatIsSentAsJpegIsReadNearly) {
+  ImageMessage sent{.header = some_header(), .gray = cv::Mat(24, 40, CV_8UC1, cv::Scalar(60))};
+  cv::rectangle(sent.gray, {8, 8}, {23, 15}, cv::Scalar(200), cv::FILLED);  // of whole JPEG blocks
+  const auto received = decode_compressed_image(encode_as_jpeg(sent, 95)).value();
+  EXPECT_EQ(received.header.stamp, sent.header.stamp);
+  EXPECT_EQ(received.header.frame, sent.header.frame);
+  ASSERT_EQ(received.gray.size(), sent.gray.size());
+  EXPECT_LE(cv::norm(received.gray, sent.gray, cv::NORM_INF), 2.0);
 }
 
 TEST(Ros2CompressedImage, OtherFilesAreRefused) {

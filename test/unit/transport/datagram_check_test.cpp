@@ -50,6 +50,31 @@ TEST(RtpsCheck, RefusesAnotherProtocolAndAnotherMajorVersion) {
   EXPECT_EQ(defect_of(message), "version");
 }
 
+TEST(RtpsCheck, TakesWhatOthersAddToRtpsWhereThatIsAllowed) {
+  constexpr RtpsLimits kOpen{.allows_extensions = true};
+  const Bytes theirs = submessage(0x81, 1, Bytes(8));
+  const Bytes of_a_later_version = submessage(0x00, 1, Bytes(4));
+  for (const Bytes& extension : {theirs, of_a_later_version}) {
+    const Bytes message = message_of({extension, heartbeat(1, 2)});
+    EXPECT_EQ(defect_of(message), "unknown_submessage");
+    EXPECT_TRUE(check_rtps(message, kOpen));
+  }
+  const Bytes broken = message_of({theirs, heartbeat(0, 2)});
+  EXPECT_FALSE(check_rtps(broken, kOpen)) << "the submessage behind it";
+
+  Bytes statistics = message_of({submessage(0x80, 1, Bytes(8)), heartbeat(1, 2)});
+  EXPECT_FALSE(check_rtps(statistics, kOpen)) << "of Fast DDS, which has them elsewhere";
+  constexpr std::size_t kVendorAt = 6;
+  statistics[kVendorAt + 1] = 16;
+  EXPECT_TRUE(check_rtps(statistics, kOpen)) << "to another vendor that is something else";
+}
+
+TEST(RtpsCheck, RefusesAFragmentOfASampleThatIsLargerThanAny) {
+  constexpr RtpsLimits kSmall{.largest_sample_bytes = 3000};
+  EXPECT_TRUE(check_rtps(message_of({data_frag(1, 3000)}), kSmall));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(1, 3001)}), kSmall));
+}
+
 TEST(RtpsCheck, TakesStatisticsOnlyWhereFastDdsPutsThem) {
   const Bytes statistics = submessage(0x80, 1, Bytes(56));
   EXPECT_TRUE(check_rtps(message_of({heartbeat(1, 2), statistics})));

@@ -3,15 +3,10 @@
 #include <thread>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace fleetloc {
 namespace {
-
-using testing::IsEmpty;
-using testing::Pair;
-using testing::UnorderedElementsAre;
 
 constexpr std::uint64_t kHeaders = 28;  // of IPv4 and UDP
 
@@ -32,17 +27,6 @@ TEST(TrafficCounter, CountsADatagramForEachAddressThatItIsSentTo) {
   EXPECT_EQ(traffic.sent_datagrams, 3);
   EXPECT_EQ(traffic.sent_bytes, 3 * (100 + kHeaders));
   EXPECT_EQ(traffic.received_datagrams, 0);
-}
-
-TEST(TrafficCounter, CountsWhatIsMalformedApartAndByItsDefect) {
-  TrafficCounter counter;
-  EXPECT_THAT(counter.malformed_datagrams(), IsEmpty());
-  counter.malformed(RtpsDefect::kVersion);
-  counter.malformed(RtpsDefect::kStatistics);
-  counter.malformed(RtpsDefect::kStatistics);
-  EXPECT_THAT(counter.malformed_datagrams(),
-              UnorderedElementsAre(Pair("version", 1), Pair("statistics", 2)));
-  EXPECT_EQ(counter.total().received_datagrams, 0);
 }
 
 TEST(TrafficCounter, LosesNothingToOtherThreads) {
