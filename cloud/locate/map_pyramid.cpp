@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -15,16 +17,38 @@ std::uint8_t value_in(const Eigen::Vector3d& p, const Eigen::Vector3i& cell) {
       std::lround(MapPyramid::kFull * std::exp(-0.5 * beside.square().sum())));
 }
 
-CellGrid values_of(const LaserMap& map, const MapPyramid::Config& config) {
-  const auto cell = [&](const Eigen::Vector3d& p_map) -> Eigen::Vector3i {
-    return (p_map / config.cell_m).array().floor().cast<int>();
+/// [cells], above the ground.
+Eigen::Vector3d cells_at(const MapPoint& point, const GroundHeights& ground, double cell_m) {
+  Eigen::Vector3d p = point.p_map.cast<double>();
+  p.z() -= ground.at(p.x(), p.y());
+  return p / cell_m;
+}
+
+Eigen::Vector3i floored(const Eigen::Vector3d& p) {
+  return p.array().floor().cast<int>();
+}
+
+CellGrid values_of(const LaserMap& map,
+                   const GroundHeights& ground,
+                   const MapPyramid::Config& config) {
+  const auto stands = [&](const MapPoint& point) {
+    return std::abs(static_cast<double>(point.normal.z())) <= config.level_from;
   };
-  const Eigen::Vector3i margin = Eigen::Vector3i::Ones();
-  CellGrid values(cell(map.info().min) - margin, cell(map.info().max) + 2 * margin);
+  Eigen::Vector3i min = Eigen::Vector3i::Constant(std::numeric_limits<int>::max());
+  Eigen::Vector3i max = Eigen::Vector3i::Constant(std::numeric_limits<int>::min());
   for (const MapPoint& point : map.points()) {
-    if (std::abs(static_cast<double>(point.normal.z())) > config.level_from) continue;
-    const Eigen::Vector3d p = point.p_map.cast<double>() / config.cell_m;
-    const Eigen::Vector3i at = p.array().floor().cast<int>();
+    if (!stands(point)) continue;
+    const Eigen::Vector3i cell = floored(cells_at(point, ground, config.cell_m));
+    min = min.cwiseMin(cell);
+    max = max.cwiseMax(cell);
+  }
+  if (min.x() > max.x()) return {};  // all is level
+  const Eigen::Vector3i margin = Eigen::Vector3i::Ones();
+  CellGrid values(min - margin, max + 2 * margin);
+  for (const MapPoint& point : map.points()) {
+    if (!stands(point)) continue;
+    const Eigen::Vector3d p = cells_at(point, ground, config.cell_m);
+    const Eigen::Vector3i at = floored(p);
     for (int z = -1; z <= 1; ++z) {
       for (int y = -1; y <= 1; ++y) {
         for (int x = -1; x <= 1; ++x) {
@@ -39,26 +63,32 @@ CellGrid values_of(const LaserMap& map, const MapPyramid::Config& config) {
 
 }  // namespace
 
-MapPyramid::Window MapPyramid::columns_of(const CellGrid& values) {
-  const Eigen::Vector3i size = values.max() - values.min();
-  Window columns{.x = values.min().x(),
-                 .y = values.min().y(),
-                 .width = static_cast<std::uint32_t>(size.x()),
-                 .depth = static_cast<std::uint32_t>(size.y()),
-                 .values = {}};
-  columns.values.assign(static_cast<std::size_t>(columns.width) * columns.depth, 0);
-  values.for_each([&](const Eigen::Vector3i& cell, std::uint8_t value) {
-    const auto x = static_cast<std::size_t>(cell.x() - columns.x);
-    const auto y = static_cast<std::size_t>(cell.y() - columns.y);
-    std::uint8_t& kept = columns.values[y * columns.width + x];
-    kept = std::max(kept, value);
+void MapPyramid::add_columns() {
+  const Eigen::Vector3i size = max() - min();
+  Window empty{.x = min().x(),
+               .y = min().y(),
+               .width = static_cast<std::uint32_t>(size.x()),
+               .depth = static_cast<std::uint32_t>(size.y()),
+               .values = {}};
+  empty.values.assign(static_cast<std::size_t>(empty.width) * empty.depth, 0);
+  const int slabs = (size.z() + kSlab - 1) / kSlab;
+  std::vector<Window>& columns =
+      windows_.emplace_back(static_cast<std::size_t>(slabs + 1), empty);  // and one of any height
+  values_.for_each([&](const Eigen::Vector3i& cell, std::uint8_t value) {
+    const auto x = static_cast<std::size_t>(cell.x() - empty.x);
+    const auto y = static_cast<std::size_t>(cell.y() - empty.y);
+    const auto raise = [&](int slab) {
+      std::uint8_t& kept = columns[static_cast<std::size_t>(slab)].values[y * empty.width + x];
+      kept = std::max(kept, value);
+    };
+    raise(any_height());
+    for (const int beside : {-1, 0, 1}) raise(slab_of(cell.z() + beside));
   });
-  return columns;
 }
 
 // Four windows of `level`, which is the last one, make one of twice the edge.
-MapPyramid::Window MapPyramid::doubled(const MapPyramid& map, int level) {
-  const Window& half = map.windows_.back();
+MapPyramid::Window MapPyramid::doubled(int level, int slab) const {
+  const Window& half = windows_[static_cast<std::size_t>(level)][static_cast<std::size_t>(slab)];
   const int step = 1 << level;
   Window result{.x = half.x - step,
                 .y = half.y - step,
@@ -70,26 +100,33 @@ MapPyramid::Window MapPyramid::doubled(const MapPyramid& map, int level) {
     for (int ix = 0; ix < static_cast<int>(result.width); ++ix) {
       const int x = result.x + ix;
       const int y = result.y + iy;
-      result.values.push_back(std::max({map.largest(level, x, y),
-                                        map.largest(level, x + step, y),
-                                        map.largest(level, x, y + step),
-                                        map.largest(level, x + step, y + step)}));
+      result.values.push_back(std::max({largest(level, slab, x, y),
+                                        largest(level, slab, x + step, y),
+                                        largest(level, slab, x, y + step),
+                                        largest(level, slab, x + step, y + step)}));
     }
   }
   return result;
 }
 
 MapPyramid::MapPyramid(const LaserMap& map, const Config& config)
-    : cell_m_(config.cell_m), values_(values_of(map, config)) {
-  windows_.push_back(columns_of(values_));
+    : cell_m_(config.cell_m),
+      ground_(map, config.level_from),
+      values_(values_of(map, ground_, config)) {
+  windows_.reserve(static_cast<std::size_t>(config.levels));
+  add_columns();
   for (int level = 1; level < config.levels; ++level) {
-    windows_.push_back(doubled(*this, level - 1));
+    std::vector<Window> next;
+    for (int slab = 0; slab <= any_height(); ++slab) next.push_back(doubled(level - 1, slab));
+    windows_.push_back(std::move(next));
   }
 }
 
 std::size_t MapPyramid::bytes() const {
-  std::size_t sum = values_.bytes();
-  for (const Window& window : windows_) sum += window.values.size();
+  std::size_t sum = ground_.bytes() + values_.bytes();
+  for (const auto& slabs : windows_) {
+    for (const Window& window : slabs) sum += window.values.size();
+  }
   return sum;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -8,13 +9,16 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/locate/cell_grid.hpp"
+#include "cloud/locate/ground_heights.hpp"
 
 namespace fleetloc {
 
 /// How well a landmark in a cell of the map is explained by a surface, and bounds of it over ever
 /// larger windows of columns. Cell (x, y, z) spans [x, x + 1) * cell_m along the axes of the map,
-/// and so on. The windows are those of Hess et al., "Real-time loop closure in 2D LIDAR SLAM" (ICRA
-/// 2016): as fine as the cells at each level, so that no bound is looser than its window.
+/// and so on; its height is that above the ground, so that a robot that knows how high its camera
+/// is knows z anywhere. The windows are those of Hess et al., "Real-time loop closure in 2D LIDAR
+/// SLAM" (ICRA 2016): as fine as the cells at each level, so that no bound is looser than its
+/// window.
 class MapPyramid {
  public:
   struct Config {
@@ -35,9 +39,21 @@ class MapPyramid {
   /// Of a cell: kFull with a surface, less beside one.
   [[nodiscard]] std::uint8_t value(int x, int y, int z) const { return values_.at(x, y, z); }
 
-  /// The largest value in the columns [x, x + 2^level) x [y, y + 2^level), at any height.
-  [[nodiscard]] std::uint8_t largest(int level, int x, int y) const {
-    const Window& window = windows_[static_cast<std::size_t>(level)];
+  [[nodiscard]] const GroundHeights& ground() const { return ground_; }
+
+  /// Columns are cut into slabs, so that what is known of a height makes bounds tighter. Of a cell
+  /// and the ones above and below it; beyond the map the nearest.
+  [[nodiscard]] int slab_of(int z) const {
+    const int slab = (z - min().z()) / kSlab;
+    return std::clamp(slab, 0, static_cast<int>(windows_.front().size()) - 2);
+  }
+  /// The slab that has all heights.
+  [[nodiscard]] int any_height() const { return static_cast<int>(windows_.front().size()) - 1; }
+
+  /// The largest value in the columns [x, x + 2^level) x [y, y + 2^level), in a slab.
+  [[nodiscard]] std::uint8_t largest(int level, int slab, int x, int y) const {
+    const Window& window =
+        windows_[static_cast<std::size_t>(level)][static_cast<std::size_t>(slab)];
     const auto ix = static_cast<std::uint32_t>(x - window.x);
     const auto iy = static_cast<std::uint32_t>(y - window.y);
     if (ix >= window.width || iy >= window.depth) return 0;
@@ -55,12 +71,15 @@ class MapPyramid {
     std::vector<std::uint8_t> values;
   };
 
-  static Window columns_of(const CellGrid& values);
-  static Window doubled(const MapPyramid& map, int level);
+  static constexpr int kSlab = 4;  // [cells]
+
+  void add_columns();
+  [[nodiscard]] Window doubled(int level, int slab) const;
 
   double cell_m_;
+  GroundHeights ground_;
   CellGrid values_;
-  std::vector<Window> windows_;  // by level
+  std::vector<std::vector<Window>> windows_;  // by level and slab
 };
 
 }  // namespace fleetloc

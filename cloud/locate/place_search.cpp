@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "shared/geometry/so3.hpp"
 
@@ -40,39 +41,102 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
     weights_.push_back(landmark.weight);
     full_score_ += MapPyramid::kFull * landmark.weight;
   }
-  cells_.resize(static_cast<std::size_t>(std::ceil(2.0 * std::numbers::pi * radius)));
-  for (std::size_t yaw = 0; yaw < cells_.size(); ++yaw) {
-    const double angle = yaw_of(yaw, cells_.size());
+  rest_.assign(weights_.begin(), weights_.end());
+  for (std::size_t i = rest_.size(); i-- > 0;) {
+    rest_[i] = MapPyramid::kFull * weights_[i] + (i + 1 < rest_.size() ? rest_[i + 1] : 0);
+  }
+  turn(landmarks, radius);
+  const bool is_height_known = last_.z() - first_.z() <= 2;
+  for (const Turned& landmark : turned_.front().front()) {
+    slabs_.push_back(is_height_known ? map.slab_of(first_.z() + 1 + landmark.cell.z())
+                                     : map.any_height());
+  }
+  add_roots();
+}
+
+// At each heading, and in blocks of two, four and so on.
+// @param radius  of the landmarks about their mean [cells]
+void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks, double radius) {
+  std::vector<Landmarks> headings(
+      static_cast<std::size_t>(std::ceil(2.0 * std::numbers::pi * radius)));
+  for (std::size_t yaw = 0; yaw < headings.size(); ++yaw) {
+    const double angle = yaw_of(yaw, headings.size());
     const double c = std::cos(angle);
     const double s = std::sin(angle);
     for (const SeenLandmark& landmark : landmarks) {
-      const Eigen::Vector3d p = (landmark.p - center_) / map.cell_m();
-      cells_[yaw].push_back(floored({c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z()}));
+      const Eigen::Vector3d p = (landmark.p - center_) / map_.cell_m();
+      headings[yaw].push_back(
+          {.cell = floored({c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z()})});
     }
   }
-  add_roots();
+  turned_.push_back(std::move(headings));
+  for (int level = 1; level < map_.levels(); ++level) {
+    const std::vector<Landmarks>& halves = turned_.back();
+    std::vector<Landmarks> blocks;
+    for (std::size_t half = 0; half < halves.size(); half += 2) {
+      blocks.push_back(joined(halves[half], halves[std::min(half + 1, halves.size() - 1)]));
+    }
+    turned_.push_back(std::move(blocks));
+  }
+}
+
+PlaceSearch::Landmarks PlaceSearch::joined(const Landmarks& block, const Landmarks& next) {
+  Landmarks result = block;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Eigen::Vector2i a = block[i].cell.head<2>();
+    const Eigen::Vector2i b = next[i].cell.head<2>();
+    const Eigen::Vector2i end = (a + block[i].extent).cwiseMax(b + next[i].extent);
+    result[i].cell.head<2>() = a.cwiseMin(b);
+    result[i].extent = end - result[i].cell.head<2>();
+  }
+  return result;
 }
 
 void PlaceSearch::add_roots() {
   const int level = map_.levels() - 1;
   const int step = 1 << level;
-  for (int yaw = 0; yaw < headings(); ++yaw) {
+  for (int yaw = 0; yaw < static_cast<int>(turned_.back().size()); ++yaw) {
     for (int y = first_.y(); y <= last_.y(); y += step) {
       for (int x = first_.x(); x <= last_.x(); x += step) add(level, yaw, {x, y, first_.z()});
     }
   }
 }
 
+// The largest over all positions and headings of the node. A block of 2^level headings moves no
+// landmark by more cells than that, so that two windows an axis leave no gap.
+int PlaceSearch::value(int level,
+                       std::size_t landmark,
+                       const Turned& turned,
+                       const Eigen::Vector3i& at) const {
+  const Eigen::Vector3i cell = at + turned.cell;
+  if (level == kLeaf) return map_.value(cell.x(), cell.y(), cell.z());
+  const int slab = slabs_[landmark];
+  int largest = map_.largest(level, slab, cell.x(), cell.y());
+  const int dx = turned.extent.x();
+  const int dy = turned.extent.y();
+  const auto widen = [&](int x, int y) {
+    largest = std::max<int>(largest, map_.largest(level, slab, cell.x() + x, cell.y() + y));
+  };
+  if (dx > 0) widen(dx, 0);
+  if (dy > 0) widen(0, dy);
+  if (dx > 0 && dy > 0) widen(dx, dy);
+  return largest;
+}
+
 void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
-  const std::vector<Eigen::Vector3i>& cells = cells_[static_cast<std::size_t>(yaw)];
+  const Landmarks& landmarks =
+      turned_[static_cast<std::size_t>(std::max(level, 0))][static_cast<std::size_t>(yaw)];
+  const int enough = static_cast<int>(std::ceil(config_.min_share * best_leaf_));
   int bound = 0;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const int x = at.x() + cells[i].x();
-    const int y = at.y() + cells[i].y();
-    bound += weights_[i] *
-             (level == kLeaf ? map_.value(x, y, at.z() + cells[i].z()) : map_.largest(level, x, y));
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (bound + rest_[i] < enough) {  // whatever the others add
+      evaluations_ += i;
+      best_dropped_ = std::max(best_dropped_, bound + rest_[i]);
+      return;
+    }
+    bound += weights_[i] * value(level, i, landmarks[i], at);
   }
-  evaluations_ += cells.size();
+  evaluations_ += landmarks.size();
   if (level == kLeaf) best_leaf_ = std::max(best_leaf_, bound);
   if (bound < config_.min_share * best_leaf_) {
     best_dropped_ = std::max(best_dropped_, bound);
@@ -90,16 +154,20 @@ void PlaceSearch::split(const Node& node) {
   }
   const int level = node.level - 1;
   const int size = 1 << level;
-  for (const int y : {node.at.y(), node.at.y() + size}) {
-    for (const int x : {node.at.x(), node.at.x() + size}) {
-      if (x <= last_.x() && y <= last_.y()) add(level, node.yaw, {x, y, node.at.z()});
+  const auto& blocks = turned_[static_cast<std::size_t>(level)];
+  for (const int yaw : {2 * node.yaw, 2 * node.yaw + 1}) {
+    if (yaw >= static_cast<int>(blocks.size())) continue;
+    for (const int y : {node.at.y(), node.at.y() + size}) {
+      for (const int x : {node.at.x(), node.at.x() + size}) {
+        if (x <= last_.x() && y <= last_.y()) add(level, yaw, {x, y, node.at.z()});
+      }
     }
   }
 }
 
 // Leaves come in the order of their score: the first one of a place is its best.
 void PlaceSearch::take(const Node& leaf) {
-  const double yaw = yaw_of(static_cast<std::size_t>(leaf.yaw), cells_.size());
+  const double yaw = yaw_of(static_cast<std::size_t>(leaf.yaw), turned_.front().size());
   const Eigen::Vector3d center_map = map_.cell_m() * leaf.at.cast<double>();
   const auto is_same = [&](const FoundPlace& place) {
     const Pose there = place.T_map_seen;

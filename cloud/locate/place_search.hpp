@@ -20,20 +20,23 @@ struct SeenLandmark {
 
 /// Where the robot may be.
 struct SearchRegion {
-  Eigen::Vector3d min_map = Eigen::Vector3d::Zero();  ///< of the landmarks' mean [m]
+  /// Of the landmarks' mean [m]. Its height is that above the ground; where it is known to a cell,
+  /// the search is much faster.
+  Eigen::Vector3d min_map = Eigen::Vector3d::Zero();
   Eigen::Vector3d max_map = Eigen::Vector3d::Zero();
 };
 
 /// A place for the landmarks: x_map = T_map_seen * x.
 struct FoundPlace {
-  Pose T_map_seen;     ///< turned about z only
+  Pose T_map_seen;     ///< turned about z only; z becomes the height above the ground
   double score = 0.0;  ///< share of the landmarks that the map explains, in 0..1
 };
 
 /// Looks for the places of a map that explain what a robot has seen best, over all positions of a
-/// region and all headings: branch and bound over a MapPyramid, best first. Places are found in the
-/// order of their score, and none is left out: what the finest cells and headings can express is
-/// compared as if each had been tried.
+/// region and all headings: branch and bound over a MapPyramid, best first, of positions and
+/// headings alike (Aoki et al., "3D-BBS", ICRA 2024, branch over angles, too). Places are found in
+/// the order of their score, and none is left out: what the finest cells and headings can express
+/// is compared as if each had been tried.
 class PlaceSearch {
  public:
   struct Config {
@@ -57,11 +60,18 @@ class PlaceSearch {
   [[nodiscard]] double max_score_of_rest() const;
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
   /// Steps of the heading in a turn: none moves a landmark by more than a cell.
-  [[nodiscard]] int headings() const { return static_cast<int>(cells_.size()); }
+  [[nodiscard]] int headings() const { return static_cast<int>(turned_.front().size()); }
 
  private:
-  /// A heading, and positions [at, at + 2^level) along x and y, at any height; one height for a
-  /// leaf.
+  /// Cells of a landmark, over a block of headings.
+  struct Turned {
+    Eigen::Vector3i cell = Eigen::Vector3i::Zero();  ///< the least x and y
+    Eigen::Vector2i extent = Eigen::Vector2i::Zero();
+  };
+  using Landmarks = std::vector<Turned>;
+
+  /// Positions [at, at + 2^level) along x and y, at any height, and as many headings: block `yaw`
+  /// of them. A leaf has one height.
   struct Node {
     int bound = 0;
     int level = 0;
@@ -74,6 +84,12 @@ class PlaceSearch {
   };
   static constexpr int kLeaf = -1;
 
+  void turn(const std::vector<SeenLandmark>& landmarks, double radius);
+  [[nodiscard]] static Landmarks joined(const Landmarks& block, const Landmarks& next);
+  [[nodiscard]] int value(int level,
+                          std::size_t landmark,
+                          const Turned& turned,
+                          const Eigen::Vector3i& at) const;
   void add_roots();
   void add(int level, int yaw, const Eigen::Vector3i& at);
   void split(const Node& node);
@@ -84,8 +100,10 @@ class PlaceSearch {
   Config config_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the landmarks
   std::vector<int> weights_;
-  std::vector<std::vector<Eigen::Vector3i>> cells_;  // of the landmarks, by heading
-  Eigen::Vector3i first_;                            // position of the region
+  std::vector<int> rest_;  // score of the landmarks from each one on, if all were explained
+  std::vector<std::vector<Landmarks>> turned_;  // by level and block of headings
+  std::vector<int> slabs_;                      // of the landmarks
+  Eigen::Vector3i first_;                       // position of the region
   Eigen::Vector3i last_;
   int full_score_ = 0;
   std::priority_queue<Node> queue_;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cloud/laser_map/laser_map.hpp"
+
+namespace fleetloc {
+
+/// Height of the ground of a map, over cells of some metres: that of the lowest level surface in a
+/// cell and those around it. Where there is none, that of the nearest cell which has one.
+class GroundHeights {
+ public:
+  /// @param level_from  vertical part of a unit normal; above it a surface is level
+  GroundHeights(const LaserMap& map, double level_from);
+
+  /// [m]; beyond the map that at its edge, zero in a map without level surfaces.
+  [[nodiscard]] double at(double x_m, double y_m) const;
+
+  [[nodiscard]] std::size_t bytes() const { return heights_.size() * sizeof(float); }
+
+ private:
+  [[nodiscard]] std::size_t index(double x_m, double y_m) const;
+  void widen_lowest();
+  void fill_gaps();
+
+  Eigen::Vector2d min_map_ = Eigen::Vector2d::Zero();
+  int width_ = 1;
+  int depth_ = 1;
+  std::vector<float> heights_;
+};
+
+}  // namespace fleetloc
