@@ -10,7 +10,8 @@ usage: deploy/demo.sh [--out DIR] [--rate R]
 Without DATASET: makes a world, surveys it with a lidar in summer and makes the map, then drives two
 robots through it in autumn, each with its poor link to two localizers, all of them processes of
 their own, and writes DIR/report.html. World and map are kept for the next time. The robots are live:
-fleetloc-play stands in for their cameras and IMUs, over topics of ROS 2 on this computer.
+fleetloc-play stands in for their cameras and IMUs, over topics of ROS 2 on this computer. robot_1 is
+told where it starts, robot_2 has to find itself in the map.
 
 DATASET is a folder in the EuRoC/ASL layout with a laser map and ground truth:
   mav0/{cam0,cam1,imu0}/           images, IMU and their sensor.yaml
@@ -158,11 +159,11 @@ write_sensors() {  # NAME DATASET NUMBER
   done <"$root/deploy/config/sensors-play.yaml" >"$out/$1.sensors.yaml"
 }
 robots=() drivers=()
-start_robot() {  # NAME DATASET QOS INITIAL_POSE [OPTION...]
+start_robot() {  # NAME DATASET QOS [OPTION...]
   rm -rf "${out:?}/$1"
   write_sensors "$1" "$2" $((${#robots[@]} + 1))
   start "$1" "$bin/fleetloc-robot" --robot-id "$1" --sensors "$out/$1.sensors.yaml" --qos "$3" \
-    --domain "$domain" --initial-pose "$4" --out "$out/$1" "${@:5}" >"$out/$1.log" 2>&1
+    --domain "$domain" --out "$out/$1" "${@:4}" >"$out/$1.log" 2>&1
   robots+=("$child")
 }
 start_drivers() {  # NAME DATASET
@@ -217,7 +218,7 @@ recorded_flight() {
   begin run "localizer and robot, DDS domain $domain, rate $rate"
   start_localizers "$out/map.pcd" "$root/qos_profiles/lan.xml" localizer_1
   grep serving "$out/localizer_1.log"
-  start_robot robot_1 "$dataset" "$root/qos_profiles/lan.xml" "$initial_pose"
+  start_robot robot_1 "$dataset" "$root/qos_profiles/lan.xml" --initial-pose "$initial_pose"
   start_drivers robot_1 "$dataset"
   wait_for_robots
   end "${localizers[@]}"
@@ -229,7 +230,7 @@ recorded_flight() {
 
 made_up_world() {
   local demo=$root/deploy/worlds/demo world=$out/world name
-  local truths=() runs=() folders=() sessions=()
+  local truths=() runs=() folders=() sessions=() told
   local names=(robot_1 robot_2) localizer_names=(localizer_1 localizer_2)
   build fleetloc-sim fleetloc-map fleetloc-cloud fleetloc-robot fleetloc-play fleetloc-eval \
     fleetloc-monitor
@@ -247,8 +248,10 @@ made_up_world() {
   begin run "${#names[@]} robots and ${#localizer_names[@]} localizers, DDS domain $domain, rate $rate"
   start_localizers "$world/map/map.pcd" "$root/qos_profiles/nbiot.xml" "${localizer_names[@]}"
   for name in "${names[@]}"; do
+    told=()
+    [ "$name" = robot_2 ] || told=(--initial-pose "$(cat "$world/drives/$name.start")")
     start_robot "$name" "$world/drives/$name" "$root/qos_profiles/nbiot.xml" \
-      "$(cat "$world/drives/$name.start")" --link "$demo/link.yaml"
+      --link "$demo/link.yaml" "${told[@]}"
     start_drivers "$name" "$world/drives/$name" >"$out/${name}_drivers.log" 2>&1
     runs+=("$out/$name")
   done

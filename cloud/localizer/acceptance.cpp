@@ -13,7 +13,7 @@ using enum Rejection;
 
 // Without a start pose nothing says where to look; a few views fit many places.
 Acceptance::Verdict Acceptance::check_window(bool has_start_pose, std::size_t keyframes) const {
-  if (!has_start_pose) return unexpected(kNoStartPose);
+  if (!has_start_pose) return unexpected(kSearching);
   if (keyframes < static_cast<std::size_t>(config_.min_keyframes)) {
     return unexpected(kTooFewKeyframes);
   }

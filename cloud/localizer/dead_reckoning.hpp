@@ -95,7 +95,7 @@ class DeadReckoning {
 
   DriftConfig drift_;
   std::vector<PoseAnchor> anchors_;       // oldest first; those that before() may need
-  const Eigen::Vector3d begin_odom_;      // of the path
+  Eigen::Vector3d begin_odom_;            // of the path
   std::map<KeyframeId, PathPoint> path_;  // at the stored keyframes
 };
 

@@ -6,8 +6,8 @@ using enum Rejection;
 
 std::string_view name(Rejection rejection) {
   switch (rejection) {
-    case kNoStartPose:
-      return "no_start_pose";
+    case kSearching:
+      return "searching";
     case kTooFewKeyframes:
       return "too_few_keyframes";
     case kNotCovered:
@@ -38,8 +38,8 @@ std::string_view name(Rejection rejection) {
 
 LocalizationStatus status_of(Rejection rejection) {
   switch (rejection) {
-    case kNoStartPose:
-      return LocalizationStatus::kNoStartPose;
+    case kSearching:
+      return LocalizationStatus::kSearching;
     case kTooFewKeyframes:
       return LocalizationStatus::kTooFewKeyframes;
     case kNotCovered:

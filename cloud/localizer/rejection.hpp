@@ -8,7 +8,7 @@ namespace fleetloc {
 
 /// Why a window is not localized, in the order in which it is asked.
 enum class Rejection {
-  kNoStartPose,      ///< the session has none, and there is no search without one
+  kSearching,        ///< the session has no start pose, and was not found in the map yet
   kTooFewKeyframes,  ///< connected to the newest one
   kNotCovered,       ///< too few landmarks have map around them
   kTooFewMatches,

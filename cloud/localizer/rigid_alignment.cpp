@@ -27,16 +27,6 @@ std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks,
   return result;
 }
 
-std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const Pose& T_new_old) {
-  const Eigen::Matrix3d R = T_new_old.R.toRotationMatrix();
-  for (WindowLandmark& landmark : landmarks) {
-    landmark.p_map = R * landmark.p_map + T_new_old.p;
-    landmark.viewpoint_map = R * landmark.viewpoint_map + T_new_old.p;
-    landmark.covariance = R * landmark.covariance * R.transpose();
-  }
-  return landmarks;
-}
-
 // A turn about `center_map`, then a shift.
 Pose motion_of(const Eigen::Vector3d& theta,
                const Eigen::Vector3d& t,
@@ -112,6 +102,16 @@ Eigen::Vector3d weakest_shift(const Matrix6d& information) {
 
 }  // namespace
 
+std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const Pose& T_new_old) {
+  const Eigen::Matrix3d R = T_new_old.R.toRotationMatrix();
+  for (WindowLandmark& landmark : landmarks) {
+    landmark.p_map = R * landmark.p_map + T_new_old.p;
+    landmark.viewpoint_map = R * landmark.viewpoint_map + T_new_old.p;
+    landmark.covariance = R * landmark.covariance * R.transpose();
+  }
+  return landmarks;
+}
+
 RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& landmarks,
                                              const PoseWithCovariance& prior,
                                              const Gates& gates,
@@ -136,7 +136,8 @@ RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& 
     if (step != 0) results.push_back(descend(some, prior, near, start));
   }
   std::ranges::sort(results, {}, &Aligned::score);
-  return {results.front().T_new_old, rivals_of(results, prior.T_map_body)};
+  const Aligned& chosen = results.front();
+  return {chosen.T_new_old, chosen.score, rivals_of(results, prior.T_map_body)};
 }
 
 // Of starts that have come to one place only the best one counts.

@@ -34,7 +34,8 @@ class RigidAlignment {
       : map_(map), association_(association), config_(config) {}
 
   struct Result {
-    Pose T_new_old;  ///< in the map: x_map is to become T_new_old * x_map
+    Pose T_new_old;      ///< in the map: x_map is to become T_new_old * x_map
+    double score = 0.0;  ///< the smaller, the better
     /// What is to be added to the covariance of the prior's keyframe there (right perturbation),
     /// since other places fit nearly as well: their mean square distance, by their odds.
     Matrix6d rivals = Matrix6d::Zero();
@@ -46,6 +47,9 @@ class RigidAlignment {
                              const PoseWithCovariance& prior,
                              const Gates& gates,
                              const std::optional<Pose>& guess = std::nullopt) const;
+
+  /// In which the odds of a place fall by e.
+  [[nodiscard]] double rival_score() const { return config_.rival_score; }
 
  private:
   struct Aligned {
@@ -69,6 +73,9 @@ class RigidAlignment {
   const AssociationConfig& association_;
   const Config& config_;
 };
+
+/// x_map becomes T_new_old * x_map.
+std::vector<WindowLandmark> moved(std::vector<WindowLandmark> landmarks, const Pose& T_new_old);
 
 RigidAlignment::Config read_rigid_alignment_config(ConfigReader section);
 

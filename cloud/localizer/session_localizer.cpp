@@ -21,7 +21,8 @@ double distance(const Pose& from, const Pose& to) {
 
 SessionLocalizer::SessionLocalizer(const RobotSession& session,
                                    std::shared_ptr<const LaserMap> map,
-                                   const Config& config)
+                                   const Config& config,
+                                   std::shared_ptr<const MapPyramid> pyramid)
     : map_(std::move(map)),
       config_(config),
       database_(config_.database),
@@ -29,7 +30,11 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       alignment_(*map_, config_.association, config_.alignment),
       nearest_(*map_),
       dead_reckoning_(session.start, config_.drift),
-      acceptance_(config_.acceptance, config_.confirmation) {}
+      acceptance_(config_.acceptance, config_.confirmation) {
+  if (session.start || !pyramid) return;
+  const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
+  first_place_.emplace(std::move(pyramid), alignment_, gates, config_.first_place);
+}
 
 void SessionLocalizer::add(const Submap& submap) {
   database_.add(submap);
@@ -49,6 +54,7 @@ LocalizationResult SessionLocalizer::localize() {
   assert(!database_.empty());
   system_.reset();
   const std::vector<KeyframeId> window = database_.window();
+  if (first_place_) search(window);
   const auto ready = acceptance_.check_window(dead_reckoning_.has_anchor(), window.size());
   if (!ready) return rejected(ready.error(), diagnostics_of(window));
 
@@ -67,6 +73,45 @@ LocalizationResult SessionLocalizer::localize() {
   if (!solution) return rejected(solution.error(), diagnostics);
   store(solution->newest);
   return localized(std::move(*solution), diagnostics);
+}
+
+// Before the first localization: a search, in which the window is in odom.
+void SessionLocalizer::search(const std::vector<KeyframeId>& window) {
+  if (dead_reckoning_.is_localized()) return;
+  const double travelled_m = dead_reckoning_.travelled_m(window.back());
+  if (found_at_m_ && travelled_m - *found_at_m_ > config_.found_start.max_way_m) {
+    give_up_found_start();
+  }
+  if (dead_reckoning_.has_anchor()) return;
+  const double way_m = travelled_m - dead_reckoning_.travelled_m(window.front());
+  if (first_place_->is_due(way_m, travelled_m)) {
+    problem_.synchronize(database_, database_.placed(window, Pose{}));
+    first_place_->begin({problem_.landmarks(), database_.newest().item.T_odom_body}, travelled_m);
+  }
+  if (const auto T_map_odom = first_place_->advance()) start_at(*T_map_odom);
+}
+
+void SessionLocalizer::start_at(const Pose& T_map_odom) {
+  const SubmapKeyframe& newest = database_.newest().item;
+  const auto& sigma = config_.found_start;
+  const Matrix6d A = adjoint(newest.T_odom_body);
+  const Matrix6d covariance = diagonal_covariance(sigma.sigma_rad, sigma.sigma_m);
+  dead_reckoning_ = DeadReckoning(MapOdomEstimate{.T_map_odom = T_map_odom,
+                                                  .covariance = A * covariance * A.transpose(),
+                                                  .p_odom = newest.T_odom_body.p},
+                                  config_.drift);
+  dead_reckoning_.follow(database_.keyframes());
+  found_at_m_ = dead_reckoning_.travelled_m(newest.id);
+  problem_.move(T_map_odom);
+}
+
+void SessionLocalizer::give_up_found_start() {
+  found_at_m_.reset();
+  first_place_->begin_anew();
+  dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
+  dead_reckoning_.follow(database_.keyframes());
+  acceptance_ = Acceptance(config_.acceptance, config_.confirmation);
+  problem_.synchronize(database_, {});
 }
 
 // Brings the problem to the keyframes of the window, placed in the map (eq. 12). What it shares

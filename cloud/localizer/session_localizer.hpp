@@ -8,6 +8,7 @@
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/acceptance.hpp"
 #include "cloud/localizer/dead_reckoning.hpp"
+#include "cloud/localizer/first_place.hpp"
 #include "cloud/localizer/localization_diagnostics.hpp"
 #include "cloud/localizer/map_correction.hpp"
 #include "cloud/localizer/map_fit.hpp"
@@ -27,6 +28,9 @@ namespace fleetloc {
 /// map. The window's older keyframes and their matches carry the pose from one submap to the next.
 /// What has left the window is summed up by a prior of its oldest keyframe: the answer that this
 /// keyframe had when it was the newest one, with which the window shares nothing but it.
+///
+/// A session without a start pose begins with a search over the whole map (FirstPlace). What it
+/// finds is a start pose like any other: it is given up if nothing is localized from it.
 ///
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
@@ -55,6 +59,12 @@ class SessionLocalizer {
     double prior_floor_m;
     double prior_floor_rad;
   };
+  /// A start pose that FirstPlace has found.
+  struct FoundStart {
+    double sigma_m;
+    double sigma_rad;
+    double max_way_m;  ///< without a localization; then it is given up
+  };
   struct Config {
     SessionDatabase::Config database;
     WindowProblem::Config problem;
@@ -65,13 +75,17 @@ class SessionLocalizer {
     Rounds rounds;
     Acceptance::Config acceptance;
     StartConfirmation::Config confirmation;
+    FirstPlace::Config first_place;
+    FoundStart found_start;
     CovarianceInflation covariance_inflation;
     CorrectionConfig corrections;
   };
 
+  /// @param pyramid  of the map; null: a session without a start pose is never localized
   SessionLocalizer(const RobotSession& session,
                    std::shared_ptr<const LaserMap> map,
-                   const Config& config);
+                   const Config& config,
+                   std::shared_ptr<const MapPyramid> pyramid = nullptr);
 
   void add(const Submap& submap);
 
@@ -82,6 +96,15 @@ class SessionLocalizer {
   /// localizer, incarnation, acknowledgements and holding time of the answer are the caller's. A
   /// rejection leaves the stored solution as it was.
   LocalizationResult localize();
+
+  /// Whether a search for the first place goes on with the next localize(), also if nothing new is
+  /// added before it.
+  [[nodiscard]] bool is_searching() const { return first_place_ && first_place_->is_running(); }
+
+  /// See FirstPlace; 0 for a session with a start pose.
+  [[nodiscard]] std::size_t places_left() const {
+    return first_place_ ? first_place_->places_left() : 0;
+  }
 
   /// What the map has added to the robot's own estimate of its latest keyframes. Nothing unless
   /// localize() has just localized, or if the map added nothing, or if the robot will have gone on
@@ -103,6 +126,9 @@ class SessionLocalizer {
     WindowSystem system;
   };
 
+  void search(const std::vector<KeyframeId>& window);
+  void start_at(const Pose& T_map_odom);
+  void give_up_found_start();
   void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
@@ -124,6 +150,8 @@ class SessionLocalizer {
   NearestNeighborCache nearest_;
   DeadReckoning dead_reckoning_;
   Acceptance acceptance_;
+  std::optional<FirstPlace> first_place_;
+  std::optional<double> found_at_m_;  // travelled, of the start pose that was found last
   std::optional<WindowSystem> system_;
   LocalizationDiagnostics diagnostics_;
 };

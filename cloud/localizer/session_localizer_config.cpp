@@ -27,6 +27,12 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
           .prior_floor_rad = section.positive("prior_floor_rad")};
 }
 
+SessionLocalizer::FoundStart read_found_start(ConfigReader section) {
+  return {.sigma_m = section.positive("sigma_m"),
+          .sigma_rad = section.positive("sigma_rad"),
+          .max_way_m = section.positive("max_way_m")};
+}
+
 }  // namespace
 
 SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
@@ -40,6 +46,8 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
       .rounds = read_rounds(section.section("rounds")),
       .acceptance = read_acceptance_config(section.section("acceptance")),
       .confirmation = read_start_confirmation_config(section.section("confirmation")),
+      .first_place = read_first_place_config(section.section("first_place")),
+      .found_start = read_found_start(section.section("found_start")),
       .covariance_inflation = read_covariance_inflation(section.section("covariance_inflation")),
       .corrections = read_correction_config(section.section("corrections"))};
 }

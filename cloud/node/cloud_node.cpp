@@ -64,7 +64,11 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
       reload_(reload),
       map_(std::make_shared<const LaserMap>(load_map(options.map))),
       channel_(channel_config(options)),
-      pool_(options.name, incarnation_of_this_start(), map_, config.pool),
+      pool_(options.name,
+            incarnation_of_this_start(),
+            map_,
+            config.pool,
+            make_pyramid(*map_, config.pool.pyramid)),
       fleet_(domain_with_profiles(options)) {
   if (!options.out.empty()) {
     log_.emplace(created(options.out) / "status.csv", steady_now());
@@ -172,7 +176,8 @@ void CloudNode::tell_watchers(Timestamp now) {
 
 void CloudNode::finish_jobs(WorkerPool& workers, WorkerLoad& load) {
   while (auto finished = workers.take()) {
-    load.add(finished->busy);
+    // A search waits for everybody else, so that it keeps no robot out.
+    if (!finished->job.submaps.empty()) load.add(finished->busy);
     pool_.finish(
         finished->job, std::move(finished->answer), 1e3 * to_seconds(finished->cpu), steady_now());
   }

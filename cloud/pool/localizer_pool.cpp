@@ -27,6 +27,7 @@ void note(const LocalizerPool::Job& job,
   report.optimize_ms.add(optimize_ms);
   report.matches.add(job.session->diagnostics().matches);
   report.memory_bytes = job.session->memory_bytes();
+  report.places_left = job.session->places_left();
 }
 
 }  // namespace
@@ -34,8 +35,10 @@ void note(const LocalizerPool::Job& job,
 LocalizerPool::LocalizerPool(std::string name,
                              Incarnation incarnation,
                              std::shared_ptr<const LaserMap> map,
-                             const Config& config)
+                             const Config& config,
+                             std::shared_ptr<const MapPyramid> pyramid)
     : map_(std::move(map)),
+      pyramid_(std::move(pyramid)),
       config_(config),
       protocol_({.name = name, .incarnation = incarnation, .map_hash = map_->info().hash},
                 config.protocol),
@@ -85,8 +88,9 @@ void LocalizerPool::open(const RobotSession& session,
                          Timestamp now) {
   using Change = SessionProtocol::Change;
   Robot& robot = robots_[session.robot];
-  const auto before = std::exchange(
-      robot.localizer, std::make_shared<SessionLocalizer>(session, map_, config_.localizer));
+  const auto before =
+      std::exchange(robot.localizer,
+                    std::make_shared<SessionLocalizer>(session, map_, config_.localizer, pyramid_));
   if (change == Change::kNewStart) {  // the first of them has the data, unless it was taken over
     if (!robot.predecessor) robot.predecessor = before;
     return;
@@ -157,10 +161,11 @@ std::optional<LocalizerPool::Job> LocalizerPool::take_job(Timestamp now) {
   const auto turn = scheduler_.take();
   if (!turn) return std::nullopt;
   Robot& robot = robots_.at(turn->robot);
-  protocol_.waited(now - robot.waiting.oldest(), now);
+  const Timestamp received = robot.waiting.oldest().value_or(now);
+  protocol_.waited(now - received, now);
   return Job{.robot = turn->robot,
              .turn = turn->number,
-             .received = robot.waiting.oldest(),
+             .received = received,
              .started = now,
              .session = robot.localizer,
              .predecessor = std::exchange(robot.predecessor, nullptr),
@@ -184,7 +189,8 @@ LocalizationResult LocalizerPool::run(Job& job) {
     return answer;
   } catch (const std::exception& error) {
     job.error = error.what();
-    const SubmapKeyframe& newest = job.submaps.back().keyframes.back();
+    const SubmapKeyframe& newest = job.submaps.empty() ? job.session->database().newest().item
+                                                       : job.submaps.back().keyframes.back();
     LocalizationResult answer;
     answer.status = LocalizationStatus::kNotConverged;
     answer.keyframe = newest.id;
@@ -209,6 +215,9 @@ void LocalizerPool::finish(const Job& job,
     report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
+  if (job.session->is_searching()) scheduler_.add(job.robot, now);
+  // A turn of a search that has found nothing has nothing new to say.
+  if (job.submaps.empty() && answer.status != LocalizationStatus::kLocalized) return;
   served_.answered(job.robot, answer);
   protocol_.answer(job.robot, std::move(answer), job.correction);
 }
@@ -246,6 +255,7 @@ LocalizerPool::Config read_localizer_pool_config(ConfigReader config) {
     return static_cast<std::size_t>(pool.integer(key, 1, max));
   };
   return {.localizer = read_session_localizer_config(config.section("localizer")),
+          .pyramid = read_pyramid_config(config.section("pyramid")),
           .protocol = read_session_protocol_config(pool),
           .waiting = {.max_submaps = count("max_waiting_submaps", 10'000),
                       .max_bytes = count("max_waiting_bytes", 1'000'000'000)},

@@ -10,6 +10,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "cloud/locate/pyramid_config.hpp"
 #include "cloud/pool/early_samples.hpp"
 #include "cloud/pool/fair_scheduler.hpp"
 #include "cloud/pool/pool_report.hpp"
@@ -32,17 +33,19 @@ class LocalizerPool {
  public:
   struct Config {
     SessionLocalizer::Config localizer;
+    PyramidConfig pyramid;
     SessionProtocol::Config protocol;
     WaitingSubmaps::Limits waiting;  ///< of one robot
     double max_waiting_s;            ///< since a robot's newest submap; then its work is dropped
     std::size_t max_session_bytes;   ///< of one robot's localizer; beyond, its session is ended
   };
 
-  /// One localization: everything that has arrived of one robot since its last one.
+  /// One localization: everything that has arrived of one robot since its last one. Nothing may
+  /// have: a search for its first place goes on in turns, and takes those that nobody else needs.
   struct Job {
     RobotId robot;
     std::uint64_t turn = 0;  ///< of the robot
-    Timestamp received;      ///< the oldest of the submaps
+    Timestamp received;      ///< the oldest of the submaps, if there are any
     Timestamp started;
     std::shared_ptr<SessionLocalizer> session;
     /// Of the same session with another start: what it has stored goes over to `session`.
@@ -53,10 +56,12 @@ class LocalizerPool {
     std::string error;                     ///< why run() failed; empty: it did not
   };
 
+  /// @param pyramid  of the map; null: robots without a start pose are never localized
   LocalizerPool(std::string name,
                 Incarnation incarnation,
                 std::shared_ptr<const LaserMap> map,
-                const Config& config);
+                const Config& config,
+                std::shared_ptr<const MapPyramid> pyramid = nullptr);
 
   void receive(const Message& message, Timestamp now);
 
@@ -117,6 +122,7 @@ class LocalizerPool {
   void clean_up(Timestamp now);
 
   std::shared_ptr<const LaserMap> map_;
+  std::shared_ptr<const MapPyramid> pyramid_;
   Config config_;
   SessionProtocol protocol_;
   FairScheduler scheduler_;

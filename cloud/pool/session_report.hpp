@@ -43,6 +43,7 @@ struct SessionReport {
   RecentValues optimize_ms;                       ///< of each localization
   RecentValues matches;                           ///< with the map, of each localization
   std::size_t memory_bytes = 0;                   ///< after the latest localization
+  std::size_t places_left = 0;                    ///< of the latest search for a first place
   std::string last_error;                         ///< what the latest exception said
   std::optional<RobotStatus> status;              ///< the latest
 

@@ -36,6 +36,7 @@ nlohmann::json to_json(const SessionReport& report) {
             {"p99", percentile_json(report.optimize_ms, 0.99)}}},
           {"matches", {{"p50", percentile_json(report.matches, 0.5)}}},
           {"memory_bytes", report.memory_bytes},
+          {"places_left", report.places_left},
           {"last_error", report.last_error},
           {"status", to_json(report.status)}};
 }

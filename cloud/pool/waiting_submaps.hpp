@@ -64,11 +64,11 @@ class WaitingSubmaps {
     return std::exchange(waiting_, {}).size();
   }
 
-  /// When the oldest that is not set aside came. Expects that there is one.
-  [[nodiscard]] Timestamp oldest() const {
-    return *std::ranges::find_if(waiting_, [](const Waiting& waiting) {
-              return waiting.received.has_value();
-            })->received;
+  /// When the oldest that is not set aside came; nothing if there is none.
+  [[nodiscard]] std::optional<Timestamp> oldest() const {
+    const auto found = std::ranges::find_if(
+        waiting_, [](const Waiting& waiting) { return waiting.received.has_value(); });
+    return found == waiting_.end() ? std::nullopt : found->received;
   }
 
  private:

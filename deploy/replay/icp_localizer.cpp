@@ -67,7 +67,7 @@ LocalizationResult IcpLocalizer::answer_to(const Submap& submap) {
   answer.revision = newest.revision;
   answer.stamp = newest.stamp;
   answer.map_hash = map_->info().hash;
-  answer.status = LocalizationStatus::kNoStartPose;
+  answer.status = LocalizationStatus::kSearching;
   if (!T_map_odom_) return answer;
 
   std::vector<Eigen::Vector3d> landmarks;

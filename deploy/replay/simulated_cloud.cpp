@@ -18,7 +18,7 @@ void SimulatedCloud::advance(Timestamp now) {
   for (const RobotId& robot : pool_.take_expected()) channel_.prepare(robot);
   if (!load_) load_.emplace(1, now);
   if (running_ && running_->ready <= now) {
-    load_->add(localization_time_);
+    if (!running_->job.submaps.empty()) load_->add(localization_time_);
     pool_.finish(running_->job, std::move(running_->answer), running_->optimize_ms, now);
     running_.reset();
   }

@@ -15,7 +15,11 @@ SimulatedLocalizers::SimulatedLocalizers(MemoryNetwork& network,
                                          std::shared_ptr<const LaserMap> map,
                                          Config config,
                                          LocalizerPlan plan)
-    : network_(network), map_(std::move(map)), config_(std::move(config)), plan_(std::move(plan)) {}
+    : network_(network),
+      map_(std::move(map)),
+      pyramid_(make_pyramid(*map_, config.pool.pyramid)),
+      config_(std::move(config)),
+      plan_(std::move(plan)) {}
 
 void SimulatedLocalizers::advance(Timestamp now) {
   if (!begin_) begin_ = now;
@@ -52,7 +56,7 @@ void SimulatedLocalizers::apply(const LocalizerPlan::Event& event, Timestamp now
 void SimulatedLocalizers::start(const std::string& name, Localizer& localizer) {
   localizer.end = network_.join_cloud(name);
   localizer.cloud = std::make_unique<SimulatedCloud>(
-      LocalizerPool(name, Incarnation{++localizer.starts}, map_, config_.pool),
+      LocalizerPool(name, Incarnation{++localizer.starts}, map_, config_.pool, pyramid_),
       *localizer.end,
       config_.localization_time,
       config_.cpu_clock);

@@ -52,6 +52,7 @@ class SimulatedLocalizers {
 
   MemoryNetwork& network_;
   std::shared_ptr<const LaserMap> map_;
+  std::shared_ptr<const MapPyramid> pyramid_;
   Config config_;
   LocalizerPlan plan_;
   std::size_t next_event_ = 0;

@@ -156,11 +156,12 @@ void set_pose_quality(PoseEstimate& estimate,
                       const MapPoseStatus& status,
                       const PoseFusion::Config& config) {
   estimate.quality = Quality::kLost;
+  const double odometry_age_s = to_seconds(estimate.stamp - status.newest_odometry);
   if (!status.last_applied) {
+    if (odometry_age_s <= config.odometry_timeout_s) estimate.quality = Quality::kSearching;
     return;
   }
   estimate.since_last_answer = std::max(Duration{}, estimate.stamp - *status.last_applied);
-  const double odometry_age_s = to_seconds(estimate.stamp - status.newest_odometry);
   const double sigma_rad = max_sigma(estimate.covariance_map.topLeftCorner<3, 3>());
   const double sigma_m = max_sigma(estimate.covariance_map.bottomRightCorner<3, 3>());
   if (status.contradicted || odometry_age_s > config.odometry_timeout_s ||

@@ -30,9 +30,10 @@ namespace fleetloc {
 /// - kDeadReckoning: the map pose is only as good as its covariance says, or nothing has confirmed
 ///   it for long, or it was carried over a failure of the odometry. Drive on while the covariance
 ///   fits the space around; slow down, and stop where it does not.
-/// - kLost: the map pose must not be used: no answer yet, or several answers contradict it, or its
-///   covariance has grown beyond the configured limit, or the odometry has stopped. Stop, or drive
-///   by direct perception only. The odom pose stays usable except in the last case.
+/// - kSearching: there is no map pose yet. Drive, if at all, by the odom pose.
+/// - kLost: the map pose must not be used: several answers contradict it, or its covariance has grown
+///   beyond the configured limit, or the odometry has stopped. Stop, or drive by direct perception
+///   only. The odom pose stays usable except in the last case.
 ///
 /// Everything runs in the caller's thread.
 class PoseFusion {

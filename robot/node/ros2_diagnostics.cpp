@@ -26,6 +26,7 @@ Level level_of(Quality quality) {
       return Level::kOk;
     case Quality::kInitializing:
     case Quality::kDeadReckoning:
+    case Quality::kSearching:
       return Level::kWarning;
     case Quality::kLost:
       return Level::kError;

@@ -19,7 +19,7 @@ namespace {
 // The enumerations list the same values in the same order.
 static_assert(static_cast<int>(LocalizationStatus::kLocalized) == wire::LOCALIZED);
 static_assert(static_cast<int>(LocalizationStatus::kNeedFull) == wire::NEED_FULL);
-static_assert(static_cast<int>(LocalizationStatus::kNoStartPose) == wire::NO_START_POSE);
+static_assert(static_cast<int>(LocalizationStatus::kSearching) == wire::SEARCHING);
 static_assert(static_cast<int>(LocalizationStatus::kTooFewKeyframes) == wire::TOO_FEW_KEYFRAMES);
 static_assert(static_cast<int>(LocalizationStatus::kNoMapCoverage) == wire::NO_MAP_COVERAGE);
 static_assert(static_cast<int>(LocalizationStatus::kTooFewMatches) == wire::TOO_FEW_MATCHES);

@@ -14,7 +14,7 @@ namespace fleetloc {
 enum class LocalizationStatus {
   kLocalized,
   kNeedFull,         ///< the localizer has lost the earlier submaps
-  kNoStartPose,      ///< the session has none, and search without a prior does not exist yet
+  kSearching,        ///< the session has no start pose, and was not found in the map yet
   kTooFewKeyframes,  ///< connected to the newest one
   kNoMapCoverage,    ///< too few landmarks have map surface near them
   kTooFewMatches,    ///< too few matches survive the gate

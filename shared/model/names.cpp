@@ -9,8 +9,8 @@ std::string_view name(LocalizationStatus status) {
       return "localized";
     case LocalizationStatus::kNeedFull:
       return "need_full";
-    case LocalizationStatus::kNoStartPose:
-      return "no_start_pose";
+    case LocalizationStatus::kSearching:
+      return "searching";
     case LocalizationStatus::kTooFewKeyframes:
       return "too_few_keyframes";
     case LocalizationStatus::kNoMapCoverage:
@@ -39,6 +39,8 @@ std::string_view name(Quality quality) {
       return "dead_reckoning";
     case Quality::kLost:
       return "lost";
+    case Quality::kSearching:
+      return "searching";
   }
   return "unknown";
 }

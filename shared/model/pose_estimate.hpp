@@ -13,7 +13,8 @@ enum class Quality {
   kInitializing,   ///< no pose yet
   kLocalized,      ///< by its covariance the map pose is within 0.25 m and 2 degrees
   kDeadReckoning,  ///< it is less certain, or no answer has confirmed it for long
-  kLost,           ///< the map pose must not be used: answers contradict it, or there was none yet
+  kLost,           ///< the map pose must not be used: answers contradict it, or it has aged
+  kSearching,      ///< there is no map pose yet: the first answer is awaited
 };
 
 /// Name in files, e.g. "dead_reckoning".

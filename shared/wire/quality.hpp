@@ -12,6 +12,7 @@ static_assert(static_cast<int>(Quality::kInitializing) == wire::POSE_INITIALIZIN
 static_assert(static_cast<int>(Quality::kLocalized) == wire::POSE_LOCALIZED);
 static_assert(static_cast<int>(Quality::kDeadReckoning) == wire::POSE_DEAD_RECKONING);
 static_assert(static_cast<int>(Quality::kLost) == wire::POSE_LOST);
+static_assert(static_cast<int>(Quality::kSearching) == wire::POSE_SEARCHING);
 
 constexpr wire::Quality to_wire(Quality quality) {
   return static_cast<wire::Quality>(quality);
@@ -21,7 +22,7 @@ constexpr Quality from_wire(wire::Quality quality) {
 }
 
 constexpr Validity check(wire::Quality quality) {
-  if (quality > wire::POSE_LOST) return unexpected(Malformed::kUnknownValue);
+  if (quality > wire::POSE_SEARCHING) return unexpected(Malformed::kUnknownValue);
   return {};
 }
 

@@ -88,7 +88,7 @@ class Interruption : public testing::Test {
 
 TEST_F(Interruption, NoLocalizerAtTheStart) {
   system_.play(8.0);
-  EXPECT_EQ(quality_at(7.9), Quality::kLost);
+  EXPECT_EQ(quality_at(7.9), Quality::kSearching);
   EXPECT_EQ(system_.robot().client().statistics().localizer, "");
   system_.start("a", 1, map());
   system_.play(13.0);
@@ -135,7 +135,7 @@ TEST_F(Interruption, ALocalizerThatNeverAnswersUntilThereIsAnother) {
   system_.play(8.0);
   EXPECT_EQ(system_.robot().client().statistics().localizer, "a");
   EXPECT_TRUE(system_.robot().answers.empty());
-  EXPECT_EQ(quality_at(7.9), Quality::kLost);
+  EXPECT_EQ(quality_at(7.9), Quality::kSearching);
   EXPECT_THAT(system_.robot().events,
               Contains(HasSubstr("a does not answer, and there is no other")));
   system_.start("b", 1, map());

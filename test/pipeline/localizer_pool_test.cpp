@@ -86,8 +86,8 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
   EXPECT_EQ(sent[0].map_hash, map_->info().hash);
   EXPECT_EQ(sent[0].acknowledgements.bitmap, 0b101U);
   EXPECT_EQ(sent[0].holding_time, milliseconds(50));
-  EXPECT_EQ(sent[0].status, LocalizationStatus::kNoStartPose);
-  EXPECT_EQ(report("a").rejected.at("no_start_pose"), 1);
+  EXPECT_EQ(sent[0].status, LocalizationStatus::kSearching);
+  EXPECT_EQ(report("a").rejected.at("searching"), 1);
 }
 
 TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {

@@ -142,14 +142,14 @@ TEST_F(ManyRobots, ANewerStartPoseIsTakenUntilTheRobotIsLocalized) {
   send(submap_of(session, 0), 0.1);
   auto job = pool_.take_job(at(0.1));
   LocalizationResult rejected = LocalizerPool::run(*job);
-  EXPECT_EQ(rejected.status, LocalizationStatus::kNoStartPose);
+  EXPECT_EQ(rejected.status, LocalizationStatus::kSearching);
   pool_.finish(*job, std::move(rejected), 1.0, at(0.2));
   session.start = MapOdomEstimate{};
   open(session, 0.3);
   send(submap_of(session, 1), 0.4);
   job = pool_.take_job(at(0.4));
   LocalizationResult answer = LocalizerPool::run(*job);
-  EXPECT_NE(answer.status, LocalizationStatus::kNoStartPose);
+  EXPECT_NE(answer.status, LocalizationStatus::kSearching);
   answer.status = LocalizationStatus::kLocalized;
   pool_.finish(*job, std::move(answer), 1.0, at(0.5));
   const auto localizer = job->session;

@@ -68,7 +68,7 @@ class PlacedRobot : public testing::Test {
 TEST_F(PlacedRobot, ThatKnewNothingIsLocalizedWithinSecondsByTheKeyframesThatItHas) {
   begin(std::nullopt);
   system_->play(20.0);
-  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(quality(), Quality::kSearching);
   EXPECT_EQ(system_->robot().pipeline().faults().at("unknown_starts"), 1U);
   place(20.0, 0.3, 5.0);
   system_->play(30.0);
@@ -123,7 +123,7 @@ TEST_F(PlacedRobot, HasNoMapPoseUntilALocalizerConfirmsIt) {
   ASSERT_EQ(quality(), Quality::kLocalized);
   place(15.0, 4.0, 60.0);  // it is not there
   system_->play(15.2);
-  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(quality(), Quality::kSearching);
   EXPECT_FALSE(system_->robot().frames.back().pose.T_map_body);
   system_->play(25.0);
   EXPECT_LT(found_since(15.2).worst_m, 0.1) << "a person's mistake makes no wrong pose";

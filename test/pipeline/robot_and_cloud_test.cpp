@@ -78,8 +78,28 @@ TEST_F(RobotAndCloud, OdometryGoesOnWithoutACloud) {
   EXPECT_TRUE(system.robot().answers.empty());
   EXPECT_EQ(system.robot().client().statistics().submaps_sent, 0);
   EXPECT_GT(system.robot().client().statistics().submaps_without_localizer, 0);
-  EXPECT_EQ(system.robot().frames.back().pose.quality, Quality::kLost);
+  EXPECT_EQ(system.robot().frames.back().pose.quality, Quality::kSearching);
   EXPECT_FALSE(system.robot().frames.back().pose.T_map_body.has_value());
+}
+
+TEST_F(RobotAndCloud, FindARobotOfWhichNobodyTellsWhereItIs) {
+  const auto pyramid = make_pyramid(*map(), read_localizer_pool_config(defaults()).pyramid);
+  SimulatedSystem system(run(), map(), perfect_link(), std::nullopt, pyramid);
+  system.play(20.0);
+  bool is_found = false;
+  for (const FrameOutput& frame : system.robot().frames) {
+    const Quality quality = frame.pose.quality;
+    if (quality == Quality::kLocalized) {
+      is_found = true;
+      ASSERT_LT(position_error(frame), 0.25);
+    } else if (quality != Quality::kInitializing) {
+      ASSERT_EQ(quality, is_found ? Quality::kDeadReckoning : Quality::kSearching);
+    }
+  }
+  EXPECT_TRUE(is_found);
+  EXPECT_LT(median_error(system.robot().frames), 0.05);
+  // Turns of a search are not told one by one.
+  EXPECT_LE(system.robot().answers.size(), system.pool().reports().at("robot").submaps + 1);
 }
 
 TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {

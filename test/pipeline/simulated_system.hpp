@@ -25,14 +25,16 @@ class SimulatedSystem {
   SimulatedSystem(const SimulatedRun& run,
                   std::shared_ptr<const LaserMap> map,
                   const LinkConfig& link,
-                  const std::optional<Pose>& T_map_body_start)
+                  const std::optional<Pose>& T_map_body_start,
+                  std::shared_ptr<const MapPyramid> pyramid = nullptr)
       : network_(link),
         robot_end_(network_.join_robot("robot")),
         cloud_end_(network_.join_cloud("localizer")),
         cloud_(LocalizerPool("localizer",
                              Incarnation{1},
                              std::move(map),
-                             read_localizer_pool_config(defaults())),
+                             read_localizer_pool_config(defaults()),
+                             std::move(pyramid)),
                *cloud_end_,
                std::chrono::milliseconds(50),
                {}),

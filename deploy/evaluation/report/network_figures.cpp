@@ -66,7 +66,8 @@ struct Lane {
   const char* colour;
 };
 
-constexpr std::array<Lane, 4> kLanes{{{"initializing", "initializing", colour::kGrey},
+constexpr std::array<Lane, 5> kLanes{{{"initializing", "initializing", colour::kGrey},
+                                      {"searching", "searching", colour::kSky},
                                       {"lost", "lost", colour::kVermillion},
                                       {"dead_reckoning", "dead reckoning", colour::kOrange},
                                       {"localized", "localized", colour::kBlue}}};

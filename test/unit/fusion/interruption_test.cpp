@@ -85,7 +85,7 @@ TEST(PoseFusion, CarriesNothingOverAResetIfNoAnswerEverCame) {
   fed.drive_to(3.0);
   fed.fusion.reset(SessionNumber{2}, MapOdomEstimate{true_T_map_odom(), Matrix6d::Identity()});
   fed.drive_to(4.0);
-  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  EXPECT_EQ(fed.output.quality, Quality::kSearching);
   EXPECT_FALSE(fed.output.T_map_body.has_value());
 }
 

@@ -114,13 +114,13 @@ TEST(PoseFusion, LearnsLittleFromRepeatedAnswersAtRest) {
   EXPECT_LT(variance_after_answers(1.0), 0.5 * one_answer);
 }
 
-TEST_P(EitherFusion, IsLostUntilThereIsAnAnswerHoweverLate) {
+TEST_P(EitherFusion, IsSearchingUntilThereIsAnAnswerHoweverLate) {
   FedFusion fed(config());
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
   fed.drive_to(0.04);
   EXPECT_EQ(fed.output.quality, Quality::kInitializing);
   fed.drive_to(12.5);
-  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  EXPECT_EQ(fed.output.quality, Quality::kSearching);
   fed.answer_at(0.5);
   fed.drive_to(12.6);
   EXPECT_EQ(fed.output.quality, Quality::kLocalized);
@@ -140,7 +140,7 @@ TEST_P(EitherFusion, ForgetsTheMapAndKeepsTheOdometry) {
   EXPECT_EQ(fed.output.covariance_odom, other.output.covariance_odom);
   EXPECT_FALSE(fed.output.T_map_body);
   EXPECT_FALSE(fed.fusion.session_start());
-  EXPECT_EQ(fed.output.quality, Quality::kLost);
+  EXPECT_EQ(fed.output.quality, Quality::kSearching);
   EXPECT_EQ(name(fed.answer_at(2.0)), "wrong_session");
   fed.session = SessionNumber{9};
   EXPECT_EQ(name(fed.answer_at(2.0)), "applied") << "to a frame before it";

@@ -235,7 +235,7 @@ TEST(SessionLocalizer, NamesWhatItLacks) {
   }
   session.start.reset();
   SessionLocalizer localizer(session, room_map(), localizer_config());
-  EXPECT_EQ(name(run(localizer, robot, 0, 5, 1).status), name(kNoStartPose));
+  EXPECT_EQ(name(run(localizer, robot, 0, 5, 1).status), name(kSearching));
 }
 
 TEST(SessionLocalizer, AnswersTheSameBitByBitToTheSameSubmaps) {

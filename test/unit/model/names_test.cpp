@@ -21,10 +21,10 @@ TEST(Names, OfStatusAreDistinctAndKnown) {
 
 TEST(Names, OfQualityAreDistinctAndKnown) {
   std::set<std::string_view> names;
-  for (int i = 0; i <= static_cast<int>(Quality::kLost); ++i) {
+  for (int i = 0; i <= static_cast<int>(Quality::kSearching); ++i) {
     names.insert(name(static_cast<Quality>(i)));
   }
-  EXPECT_EQ(names.size(), 4U);
+  EXPECT_EQ(names.size(), 5U);
   EXPECT_EQ(names.count("unknown"), 0U);
   EXPECT_EQ(name(Quality::kDeadReckoning), "dead_reckoning");
 }

@@ -123,7 +123,7 @@ TEST_F(IcpLocalizerTest, NamesWhyItRefuses) {
     localizer_.submit(submap, kStart);
     return localizer_.take_answers(kStart + kTime).front().status;
   };
-  EXPECT_EQ(status(std::nullopt, submap(3)), LocalizationStatus::kNoStartPose);
+  EXPECT_EQ(status(std::nullopt, submap(3)), LocalizationStatus::kSearching);
   Pose above = T_map_odom_;
   above.p.z() += 30.0;
   EXPECT_EQ(status(above, submap(3)), LocalizationStatus::kNotConverged);

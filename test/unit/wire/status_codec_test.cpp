@@ -63,7 +63,7 @@ TEST(StatusCodec, RefusesARobotStatusWithAReason) {
   using enum Malformed;
   expect_status_refused(kInvalidId, [](auto& sample) { sample.robot(" "); });
   expect_status_refused(kUnknownValue,
-                        [](auto& sample) { sample.quality(static_cast<wire::Quality>(4)); });
+                        [](auto& sample) { sample.quality(static_cast<wire::Quality>(5)); });
   expect_status_refused(
       kOutOfRange, [](auto& sample) { sample.stamp_ns(std::numeric_limits<std::int64_t>::max()); });
   expect_status_refused(kOutOfRange, [](auto& sample) {
