@@ -24,8 +24,28 @@ std::vector<SeenLandmark> evenly(const std::vector<SeenLandmark>& landmarks, int
 FirstPlace::FirstPlace(std::shared_ptr<const MapPyramid> pyramid,
                        const RigidAlignment& alignment,
                        const RigidAlignment::Gates& gates,
-                       const Config& config)
-    : pyramid_(std::move(pyramid)), alignment_(alignment), gates_(gates), config_(config) {}
+                       const Config& config,
+                       const std::optional<Region>& region)
+    : pyramid_(std::move(pyramid)),
+      alignment_(alignment),
+      gates_(gates),
+      config_(config),
+      region_(region) {}
+
+std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& start,
+                                                        const Config& config) {
+  Pose T_odom_begin;
+  T_odom_begin.p = start.p_odom;
+  const Matrix6d A = adjoint(inverse(T_odom_begin));
+  const Matrix6d covariance = A * start.covariance * A.transpose();
+  const double sigma_m = max_sigma(covariance.bottomRightCorner<3, 3>());
+  const double sigma_rad = max_sigma(covariance.topLeftCorner<3, 3>());
+  if (sigma_m <= config.known_m && sigma_rad <= config.known_rad) return std::nullopt;
+  constexpr double kSigmas = 3.0;
+  return Region{.p_map = start.T_map_odom * start.p_odom,
+                .radius_m = kSigmas * sigma_m,
+                .p_odom = start.p_odom};
+}
 
 bool FirstPlace::is_due(double way_m, double travelled_m) const {
   if (is_running() || way_m < config_.min_way_m) return false;
@@ -41,7 +61,8 @@ void FirstPlace::begin(View view, double travelled_m) {
   }
   auto standing = evenly(above_ground(seen, config_.ground), config_.max_landmarks);
   if (standing.size() < static_cast<std::size_t>(config_.min_landmarks)) return;
-  const SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
+  SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
+  if (region_) restrict_to_region(standing, region);
   begun_at_m_ = travelled_m;
   refined_.clear();
   search_.emplace(*pyramid_,
@@ -75,6 +96,19 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
     region.max_map.z() = mean_m + cell_m;
   }
   return region;
+}
+
+// Wherever it looked from there, the landmarks' mean is as far from where it began.
+void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
+                                    SearchRegion& region) const {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const SeenLandmark& landmark : landmarks) mean += landmark.p.head<2>();
+  mean /= static_cast<double>(landmarks.size());
+  const double reach_m = region_->radius_m + (mean - region_->p_odom.head<2>()).norm();
+  const Eigen::Vector2d center = region_->p_map.head<2>();
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_m);
+  region.min_map.head<2>() = region.min_map.head<2>().cwiseMax(center - reach);
+  region.max_map.head<2>() = region.max_map.head<2>().cwiseMin(center + reach);
 }
 
 std::optional<Pose> FirstPlace::advance() {
@@ -166,7 +200,9 @@ FirstPlace::Config read_first_place_config(ConfigReader section) {
           .prior_sigma_m = section.positive("prior_sigma_m"),
           .prior_sigma_rad = section.positive("prior_sigma_rad"),
           .prior_tilt_rad = section.positive("prior_tilt_rad"),
-          .min_log_odds = section.positive("min_log_odds")};
+          .min_log_odds = section.positive("min_log_odds"),
+          .known_m = section.positive("known_m"),
+          .known_rad = section.positive("known_rad")};
 }
 
 }  // namespace fleetloc

@@ -12,6 +12,7 @@
 #include "cloud/locate/place_search.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/geometry/pose.hpp"
+#include "shared/model/session.hpp"
 
 namespace fleetloc {
 
@@ -40,6 +41,8 @@ class FirstPlace {
     double prior_sigma_rad;
     double prior_tilt_rad;  ///< of the odometry's vertical axis
     double min_log_odds;    ///< of the best place against the second best
+    double known_m;         ///< sigmas of a start pose: up to both
+    double known_rad;       ///< of them nothing is searched
   };
 
   /// What the robot has seen last, in odom.
@@ -48,11 +51,23 @@ class FirstPlace {
     Pose T_odom_body;  ///< of the newest keyframe
   };
 
+  /// Where the robot was when its session began, as far as that is known.
+  struct Region {
+    Eigen::Vector3d p_map = Eigen::Vector3d::Zero();
+    double radius_m = 0.0;
+    Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< there
+  };
+
+  /// Nothing if the start pose is known so well that it is no region, but a place.
+  static std::optional<Region> region_of(const MapOdomEstimate& start, const Config& config);
+
   /// @param alignment  outlives this
+  /// @param region     none: the whole map
   FirstPlace(std::shared_ptr<const MapPyramid> pyramid,
              const RigidAlignment& alignment,
              const RigidAlignment::Gates& gates,
-             const Config& config);
+             const Config& config,
+             const std::optional<Region>& region = std::nullopt);
 
   /// Whether a search is to begin.
   /// @param way_m        by the odometry, from the window's oldest to its newest keyframe
@@ -84,6 +99,7 @@ class FirstPlace {
   /// Takes the landmarks' heights from odom to the ground below the camera that saw them.
   SearchRegion heights_above_ground(const std::optional<double>& camera_height_m,
                                     std::vector<SeenLandmark>& landmarks);
+  void restrict_to_region(const std::vector<SeenLandmark>& landmarks, SearchRegion& region) const;
   [[nodiscard]] Pose in_map(const FoundPlace& place) const;
   void give_up();
   void refine(const FoundPlace& place);
@@ -94,6 +110,7 @@ class FirstPlace {
   const RigidAlignment& alignment_;
   RigidAlignment::Gates gates_;
   Config config_;
+  std::optional<Region> region_;
 
   View view_;
   double view_ground_m_ = 0.0;        // below the newest view, in odom; 0 if it is not known

@@ -31,9 +31,15 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       nearest_(*map_),
       dead_reckoning_(session.start, config_.drift),
       acceptance_(config_.acceptance, config_.confirmation) {
-  if (session.start || !pyramid) return;
+  if (!pyramid) return;
+  std::optional<FirstPlace::Region> region;
+  if (session.start) {
+    region = FirstPlace::region_of(*session.start, config_.first_place);
+    if (!region) return;
+    dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
+  }
   const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
-  first_place_.emplace(std::move(pyramid), alignment_, gates, config_.first_place);
+  first_place_.emplace(std::move(pyramid), alignment_, gates, config_.first_place, region);
 }
 
 void SessionLocalizer::add(const Submap& submap) {

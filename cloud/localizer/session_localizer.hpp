@@ -29,8 +29,9 @@ namespace fleetloc {
 /// What has left the window is summed up by a prior of its oldest keyframe: the answer that this
 /// keyframe had when it was the newest one, with which the window shares nothing but it.
 ///
-/// A session without a start pose begins with a search over the whole map (FirstPlace). What it
-/// finds is a start pose like any other: it is given up if nothing is localized from it.
+/// A session without a start pose begins with a search over the whole map (FirstPlace), one of
+/// which it is known roughly with a search around there. What it finds is a start pose like any
+/// other: it is given up if nothing is localized from it.
 ///
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {

@@ -26,8 +26,6 @@ void note(const LocalizerPool::Job& job,
   }
   report.optimize_ms.add(optimize_ms);
   report.matches.add(job.session->diagnostics().matches);
-  report.memory_bytes = job.session->memory_bytes();
-  report.places_left = job.session->places_left();
 }
 
 }  // namespace
@@ -210,14 +208,18 @@ void LocalizerPool::finish(const Job& job,
   if (!is_current) return;  // the session was replaced meanwhile
   SessionReport& report = report_.of(job.robot);
   if (!job.error.empty()) report.refuse(PoolRefusal::kError);
-  note(job, answer, optimize_ms, report);
+  report.memory_bytes = job.session->memory_bytes();
+  report.places_left = job.session->places_left();
+  // A turn of a search that has found nothing has nothing new to say.
+  const bool is_silent = job.submaps.empty() && job.error.empty() &&
+                         answer.status != LocalizationStatus::kLocalized;
+  if (!is_silent) note(job, answer, optimize_ms, report);
   if (report.memory_bytes > config_.max_session_bytes) {
     report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
-  if (job.session->is_searching()) scheduler_.add(job.robot, now);
-  // A turn of a search that has found nothing has nothing new to say.
-  if (job.submaps.empty() && answer.status != LocalizationStatus::kLocalized) return;
+  if (job.error.empty() && job.session->is_searching()) scheduler_.add(job.robot, now);
+  if (is_silent) return;
   served_.answered(job.robot, answer);
   protocol_.answer(job.robot, std::move(answer), job.correction);
 }

@@ -31,9 +31,9 @@ namespace fleetloc {
 ///   it for long, or it was carried over a failure of the odometry. Drive on while the covariance
 ///   fits the space around; slow down, and stop where it does not.
 /// - kSearching: there is no map pose yet. Drive, if at all, by the odom pose.
-/// - kLost: the map pose must not be used: several answers contradict it, or its covariance has grown
-///   beyond the configured limit, or the odometry has stopped. Stop, or drive by direct perception
-///   only. The odom pose stays usable except in the last case.
+/// - kLost: the map pose must not be used: several answers contradict it, or its covariance has
+///   grown beyond the configured limit, or the odometry has stopped. Stop, or drive by direct
+///   perception only. The odom pose stays usable except in the last case.
 ///
 /// Everything runs in the caller's thread.
 class PoseFusion {

@@ -99,7 +99,11 @@ TEST_F(RobotAndCloud, FindARobotOfWhichNobodyTellsWhereItIs) {
   EXPECT_TRUE(is_found);
   EXPECT_LT(median_error(system.robot().frames), 0.05);
   // Turns of a search are not told one by one.
-  EXPECT_LE(system.robot().answers.size(), system.pool().reports().at("robot").submaps + 1);
+  const SessionReport report = system.pool().reports().at("robot");
+  EXPECT_LE(system.robot().answers.size(), report.submaps + 1);
+  EXPECT_GE(report.rejected.at("searching"), 1U);
+  EXPECT_LE(report.rejected.at("searching"), report.submaps);
+  EXPECT_EQ(report.places_left, 1U);
 }
 
 TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {

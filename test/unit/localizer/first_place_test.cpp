@@ -82,6 +82,40 @@ TEST(FirstPlace, IsNotAcceptedInTheMapOfAnotherPlace) {
   }
 }
 
+/// With a start pose that is known to these sigmas only.
+RobotSession with_start(const SimulatedSession& robot, double sigma_m, double sigma_rad) {
+  RobotSession session = robot.session();
+  session.start->covariance = diagonal_covariance(sigma_rad, sigma_m);
+  return session;
+}
+
+TEST(FirstPlace, OfAStartPoseIsSearchedAroundItIfThatIsUncertain) {
+  const SimulatedSession robot({.seed = 1});
+  const FirstPlace::Config config = localizer_config().first_place;
+  const auto region = [&](double sigma_m, double sigma_rad) {
+    return FirstPlace::region_of(*with_start(robot, sigma_m, sigma_rad).start, config);
+  };
+  EXPECT_FALSE(region(0.5, 0.1));
+  ASSERT_TRUE(region(10.0, 0.1));
+  EXPECT_NEAR(region(10.0, 0.1)->radius_m, 30.0, 1e-9);
+  ASSERT_TRUE(region(0.5, 3.0)) << "a heading that nobody knows";
+  const MapOdomEstimate& start = *robot.session().start;
+  EXPECT_LT((region(10.0, 0.1)->p_map - start.T_map_odom * start.p_odom).norm(), 1e-12);
+}
+
+TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
+  const auto pyramid = make_pyramid(*room_map(), kPyramid);
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SimulatedSession robot({.seed = seed, .start_yaw_rad = 2.0});
+    const RobotSession session = with_start(robot, 0.3, 3.0);
+    SessionLocalizer localizer(session, room_map(), localizer_config(), pyramid);
+    if (first_localized(localizer, robot, 40)) ++found;
+  }
+  std::printf("found %d of 5\n", found);
+  EXPECT_GE(found, 3);
+}
+
 TEST(FirstPlace, IsLookedForOnlyOnTheWay) {
   const auto pyramid = make_pyramid(*room_map(), kPyramid);
   const SimulatedSession robot({.seed = 1});
