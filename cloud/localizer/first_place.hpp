@@ -83,6 +83,9 @@ class FirstPlace {
   /// @return T_map_odom of the place, once it is certain
   std::optional<Pose> advance();
 
+  /// How exactly a place is found.
+  [[nodiscard]] double cell_m() const { return pyramid_->cell_m(); }
+
   /// Whether a search has begun and not ended.
   [[nodiscard]] bool is_running() const { return search_.has_value(); }
 

@@ -101,7 +101,8 @@ void SessionLocalizer::start_at(const Pose& T_map_odom) {
   const SubmapKeyframe& newest = database_.newest().item;
   const auto& sigma = config_.found_start;
   const Matrix6d A = adjoint(newest.T_odom_body);
-  const Matrix6d covariance = diagonal_covariance(sigma.sigma_rad, sigma.sigma_m);
+  const double sigma_m = sigma.sigma_cells * first_place_->cell_m();
+  const Matrix6d covariance = diagonal_covariance(sigma.sigma_rad, sigma_m);
   dead_reckoning_ = DeadReckoning(MapOdomEstimate{.T_map_odom = T_map_odom,
                                                   .covariance = A * covariance * A.transpose(),
                                                   .p_odom = newest.T_odom_body.p},

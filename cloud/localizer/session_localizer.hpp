@@ -62,7 +62,7 @@ class SessionLocalizer {
   };
   /// A start pose that FirstPlace has found.
   struct FoundStart {
-    double sigma_m;
+    double sigma_cells;  ///< of the pyramid
     double sigma_rad;
     double max_way_m;  ///< without a localization; then it is given up
   };

@@ -28,7 +28,7 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
 }
 
 SessionLocalizer::FoundStart read_found_start(ConfigReader section) {
-  return {.sigma_m = section.positive("sigma_m"),
+  return {.sigma_cells = section.positive("sigma_cells"),
           .sigma_rad = section.positive("sigma_rad"),
           .max_way_m = section.positive("max_way_m")};
 }
