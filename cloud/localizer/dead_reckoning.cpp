@@ -7,20 +7,25 @@
 namespace fleetloc {
 namespace {
 
-// Where the start pose was known; any attitude there will do, since the odometry goes on from it.
+Pose where_known(const MapOdomEstimate& start) {
+  return {Eigen::Quaterniond::Identity(), start.p_odom};
+}
+
 std::vector<PoseAnchor> anchors_at(const std::optional<MapOdomEstimate>& start) {
   if (!start) return {};
-  Pose T_odom_known;
-  T_odom_known.p = start->p_odom;
-  const Matrix6d A = adjoint(inverse(T_odom_known));
-  return {PoseAnchor{
-      .keyframe = std::nullopt,
-      .T_odom_body = T_odom_known,
-      .travelled_m = 0.0,
-      .estimate = {start->T_map_odom * T_odom_known, A * start->covariance * A.transpose()}}};
+  return {PoseAnchor{.keyframe = std::nullopt,
+                     .T_odom_body = where_known(*start),
+                     .travelled_m = 0.0,
+                     .estimate = pose_where_known(*start)}};
 }
 
 }  // namespace
+
+PoseWithCovariance pose_where_known(const MapOdomEstimate& start) {
+  const Pose T_odom_known = where_known(start);
+  const Matrix6d A = adjoint(inverse(T_odom_known));
+  return {start.T_map_odom * T_odom_known, A * start.covariance * A.transpose()};
+}
 
 // The covariance is carried along the step, T_map_later = T_map_anchor * step, and the drift added.
 PoseWithCovariance PoseAnchor::at(const Pose& T_odom_later,

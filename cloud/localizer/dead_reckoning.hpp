@@ -21,6 +21,10 @@ struct DriftConfig {
   double rotation_rad_per_m;
 };
 
+/// The start pose where it was known; any attitude there will do, since the odometry goes on from
+/// it.
+PoseWithCovariance pose_where_known(const MapOdomEstimate& start);
+
 /// The pose in the map from which odometry is dead-reckoned: the start pose until the session has
 /// been localized, then that of the newest localized keyframe.
 struct PoseAnchor {

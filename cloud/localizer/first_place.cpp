@@ -4,22 +4,11 @@
 #include <limits>
 #include <utility>
 
+#include "cloud/localizer/dead_reckoning.hpp"
+#include "cloud/localizer/evenly.hpp"
 #include "shared/geometry/covariance.hpp"
 
 namespace fleetloc {
-namespace {
-
-std::vector<SeenLandmark> evenly(const std::vector<SeenLandmark>& landmarks, int max_count) {
-  const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
-  std::vector<SeenLandmark> result;
-  result.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    result.push_back(landmarks[i * landmarks.size() / count]);
-  }
-  return result;
-}
-
-}  // namespace
 
 FirstPlace::FirstPlace(std::shared_ptr<const MapPyramid> pyramid,
                        const RigidAlignment& alignment,
@@ -34,17 +23,12 @@ FirstPlace::FirstPlace(std::shared_ptr<const MapPyramid> pyramid,
 
 std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& start,
                                                         const Config& config) {
-  Pose T_odom_begin;
-  T_odom_begin.p = start.p_odom;
-  const Matrix6d A = adjoint(inverse(T_odom_begin));
-  const Matrix6d covariance = A * start.covariance * A.transpose();
-  const double sigma_m = max_sigma(covariance.bottomRightCorner<3, 3>());
-  const double sigma_rad = max_sigma(covariance.topLeftCorner<3, 3>());
+  const PoseWithCovariance known = pose_where_known(start);
+  const double sigma_m = max_sigma(known.covariance.bottomRightCorner<3, 3>());
+  const double sigma_rad = max_sigma(known.covariance.topLeftCorner<3, 3>());
   if (sigma_m <= config.known_m && sigma_rad <= config.known_rad) return std::nullopt;
   constexpr double kSigmas = 3.0;
-  return Region{.p_map = start.T_map_odom * start.p_odom,
-                .radius_m = kSigmas * sigma_m,
-                .p_odom = start.p_odom};
+  return Region{.p_map = known.T_map_body.p, .radius_m = kSigmas * sigma_m, .p_odom = start.p_odom};
 }
 
 bool FirstPlace::is_due(double way_m, double travelled_m) const {
@@ -181,11 +165,7 @@ std::optional<Pose> FirstPlace::decide() {
 }
 
 FirstPlace::Config read_first_place_config(ConfigReader section) {
-  ConfigReader ground = section.section("ground");
-  return {.ground = {.near_m = ground.positive("near_m"),
-                     .band_m = ground.positive("band_m"),
-                     .min_share = ground.number("min_share", 0.0, 1.0),
-                     .max_slope = ground.number("max_slope", 0.0, 1.0)},
+  return {.ground = read_ground_config(section.section("ground")),
           .max_places = section.integer("max_places", 1, 1000),
           .min_share = section.number("min_share", 0.0, 1.0),
           .same_m = section.positive("same_m"),

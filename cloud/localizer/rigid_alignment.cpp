@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "cloud/localizer/degeneracy.hpp"
+#include "cloud/localizer/evenly.hpp"
 #include "shared/geometry/so3.hpp"
 
 namespace fleetloc {
@@ -16,16 +17,6 @@ namespace {
 constexpr double kMaxScore = 9.0;    // of a landmark: three sigmas, squared
 constexpr double kMaxSteps = 8.0;    // of starts along an axis, to either side
 constexpr double kSamePlace = 0.05;  // [m, rad]
-
-std::vector<WindowLandmark> evenly(const std::vector<WindowLandmark>& landmarks, int max_count) {
-  const auto count = std::min(landmarks.size(), static_cast<std::size_t>(max_count));
-  std::vector<WindowLandmark> result;
-  result.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    result.push_back(landmarks[i * landmarks.size() / count]);
-  }
-  return result;
-}
 
 // A turn about `center_map`, then a shift.
 Pose motion_of(const Eigen::Vector3d& theta,

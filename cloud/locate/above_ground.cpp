@@ -52,4 +52,11 @@ std::vector<SeenLandmark> above_ground(const std::vector<SeenLandmark>& landmark
   return result;
 }
 
+GroundConfig read_ground_config(ConfigReader section) {
+  return {.near_m = section.positive("near_m"),
+          .band_m = section.positive("band_m"),
+          .min_share = section.number("min_share", 0.0, 1.0),
+          .max_slope = section.number("max_slope", 0.0, 1.0)};
+}
+
 }  // namespace fleetloc

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cloud/locate/place_search.hpp"
+#include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
 
@@ -23,5 +24,7 @@ std::optional<double> camera_height(const std::vector<SeenLandmark>& landmarks,
 /// is not known where the ground is.
 std::vector<SeenLandmark> above_ground(const std::vector<SeenLandmark>& landmarks,
                                        const GroundConfig& config);
+
+GroundConfig read_ground_config(ConfigReader section);
 
 }  // namespace fleetloc

@@ -211,8 +211,8 @@ void LocalizerPool::finish(const Job& job,
   report.memory_bytes = job.session->memory_bytes();
   report.places_left = job.session->places_left();
   // A turn of a search that has found nothing has nothing new to say.
-  const bool is_silent = job.submaps.empty() && job.error.empty() &&
-                         answer.status != LocalizationStatus::kLocalized;
+  const bool is_silent =
+      job.submaps.empty() && job.error.empty() && answer.status != LocalizationStatus::kLocalized;
   if (!is_silent) note(job, answer, optimize_ms, report);
   if (report.memory_bytes > config_.max_session_bytes) {
     report.refuse(PoolRefusal::kTooMuchMemory);
