@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <functional>
 #include <random>
 #include <system_error>
 
@@ -52,7 +53,7 @@ class Intruder {
   }
 
   void send(const Bytes& datagram) const {
-    constexpr std::uint32_t kIds = 8;
+    constexpr std::uint32_t kIds = 32;  // of all participants of this process
     for (std::uint32_t id = 0; id < kIds; ++id) {
       for (const std::uint32_t kind : {0U, 1U}) {
         const sockaddr_in to = address_of(id, kind);
@@ -90,6 +91,23 @@ Bytes with_prefix(Bytes announced, const GuidPrefix& prefix) {
     found = std::copy(prefix.begin(), prefix.end(), found);
   }
   return announced;
+}
+
+/// Messages with some bytes changed, and announcements of somebody who is not there.
+/// @param is_alive  is called after each 300 of them
+void attack(const Intruder& intruder,
+            std::uint32_t seed,
+            const std::function<void(std::uint32_t)>& is_alive) {
+  constexpr GuidPrefix kNobody{1, 15, 6, 6, 6};
+  const Bytes announced = intruder.hear();
+  ASSERT_GT(announced.size(), 100U);
+  const Bytes of_nobody = with_prefix(announced, kNobody);
+  std::mt19937 random(seed);
+  for (std::uint32_t trial = 1; trial <= kTrials; ++trial) {
+    intruder.send(random_message(random, kNobody));
+    intruder.send(mutated(of_nobody, random));
+    if (trial % 300 == 0) is_alive(trial);
+  }
 }
 
 class DdsCorruption : public testing::Test {
@@ -138,19 +156,9 @@ TEST_F(DdsCorruption, OfEveryTopicToALocalizerKeepsNoOtherRobotOut) {
 
 TEST_F(DdsCorruption, OfDatagramsEndsNoProgramAndKeepsNobodyOut) {
   ASSERT_TRUE(submap_of_a_good_robot_arrives(0));
-  const Intruder intruder(network_.domain(), 119);
-  const Bytes announced = intruder.hear();
-  ASSERT_GT(announced.size(), 100U);
-  constexpr GuidPrefix kNobody{1, 15, 6, 6, 6};
-  const Bytes of_nobody = with_prefix(announced, kNobody);
-  std::mt19937 random(4);
-  for (std::uint32_t trial = 1; trial <= kTrials; ++trial) {
-    intruder.send(random_message(random, kNobody));
-    intruder.send(mutated(of_nobody, random));
-    if (trial % 300 == 0) {
-      EXPECT_TRUE(submap_of_a_good_robot_arrives(trial)) << trial;
-    }
-  }
+  attack(Intruder(network_.domain(), 119), 4, [&](std::uint32_t trial) {
+    EXPECT_TRUE(submap_of_a_good_robot_arrives(trial)) << trial;
+  });
   EXPECT_FALSE(cloud_.diagnostics().malformed.empty());
   EXPECT_FALSE(good_.diagnostics().malformed.empty());
 }
@@ -177,22 +185,13 @@ TEST(Ros2Corruption, OfDatagramsEndsNoRobotAndKeepsNoDriverOut) {
   Ros2Reader reader(robot, {{topic, 10}});
   Ros2Writer writer = driver.create_writer(topic);
   ASSERT_TRUE(comes_true([&] { return writer.matched_readers() == 1; }));
-  const Intruder intruder(network.domain(), 31);
-  const Bytes announced = intruder.hear();
-  ASSERT_GT(announced.size(), 100U);
-  constexpr GuidPrefix kNobody{1, 15, 6, 6, 6};
-  const Bytes of_nobody = with_prefix(announced, kNobody);
-  std::mt19937 random(5);
-  for (std::uint32_t trial = 1; trial <= kTrials; ++trial) {
-    intruder.send(random_message(random, kNobody));
-    intruder.send(mutated(of_nobody, random));
-    if (trial % 300 != 0) continue;
+  attack(Intruder(network.domain(), 31), 5, [&](std::uint32_t trial) {
     const Bytes sent{0, 1, 0, 0, static_cast<std::uint8_t>(trial / 300), 0, 0, 0};
     ASSERT_TRUE(writer.write(sent));
     const auto received = reader.take({}, kPatience);
     ASSERT_TRUE(received) << trial;
     EXPECT_EQ(received->payload, sent);
-  }
+  });
   EXPECT_FALSE(robot.malformed().empty());
 }
 
