@@ -29,7 +29,7 @@ using Words = std::vector<std::string>;
 
 constexpr double kFaultAt = 12.0;  // into the drive of robot_1 [s]
 constexpr double kUnderWay = 6.0;  // likewise of any robot: it has answers [s]
-constexpr double kDrive = 50.0;    // of each robot [s]
+constexpr double kDrive = 45.0;    // of each robot [s]
 // At most [s of data]: once nothing is in the way, and when the other localizer has to take over,
 // for a robot moves only after 3 s and four round trips without an answer.
 constexpr double kAnsweredAfter = 5.0;
@@ -55,8 +55,10 @@ class Fault : public testing::Test {
 
   [[nodiscard]] const DockerFleet& containers() const { return fleet_->containers(); }
 
-  /// Until the first robot is so far into its drive, and all are on their way.
+  /// Once there is who serves them; until the first robot is so far into its drive, and all are on
+  /// their way.
   void start_robots() {
+    for (const std::string& name : localizers_) fleet_->wait_until_it_serves(name);
     for (const DrivingRobot& robot : robots_) fleet_->start_robot(robot, robot.id);
     for (const DrivingRobot& robot : robots_) {
       wait_for_data(fleet_->folder_of(robot.id), std::chrono::duration<double>(kUnderWay));
@@ -80,18 +82,23 @@ class Fault : public testing::Test {
     return moment;
   }
 
+  /// What tells why a run went wrong.
+  [[nodiscard]] std::string account_of(const std::string& run) const {
+    return run + '\n' + containers().logs(run) + content_of(fleet_->folder_of(run) / "answers.csv");
+  }
+
   /// What must be true of a run, whatever happened while it drove. Its `confidence`.
   nlohmann::json expect_honest_and_whole(const DrivingRobot& robot, const std::string& run) {
     const auto folder = fleet_->folder_of(run);
     auto confidence = run_errors(folder, robot.flight).at("confidence");
-    EXPECT_EQ(confidence.at("confidently_wrong"), 0) << run;
+    EXPECT_EQ(confidence.at("confidently_wrong"), 0) << account_of(run);
     EXPECT_EQ(damage_of(folder), "");
     return confidence;
   }
 
   nlohmann::json expect_localized_at_the_end(const DrivingRobot& robot, const std::string& run) {
     EXPECT_EQ(containers().wait(run), 0) << containers().logs(run);
-    EXPECT_EQ(frames_of(fleet_->folder_of(run)).back().state, "localized") << run;
+    EXPECT_EQ(frames_of(fleet_->folder_of(run)).back().state, "localized") << account_of(run);
     return expect_honest_and_whole(robot, run);
   }
 
@@ -107,7 +114,7 @@ class Fault : public testing::Test {
       const auto confidence = expect_localized_at_the_end(robot, robot.id);
       const auto run = fleet_->folder_of(robot.id);
       const double after_s = until_answer(run, back.at(robot.id));
-      EXPECT_LE(after_s, limit_s) << robot.id << '\n' << containers().logs(robot.id);
+      EXPECT_LE(after_s, limit_s) << account_of(robot.id);
       std::printf("%-9s %14.1f s %14.1f s %14.1f s %11.3f m\n",
                   robot.id.c_str(),
                   longest_silence(run, began.at(robot.id)),
@@ -222,6 +229,7 @@ TEST_F(Fault, AMapIsMissingOrCorrupt) {
   fleet_->start_localizer("localizer_1");
   fleet_->start_localizer("localizer_2", corrupt, restart);
   fleet_->start_localizer("localizer_3", missing, restart);
+  localizers_ = {"localizer_1"};
   start_robots();
   const Moment began = now();
 
@@ -237,7 +245,6 @@ TEST_F(Fault, AMapIsMissingOrCorrupt) {
     EXPECT_THAT(lines, Each(HasSubstr(map.string())));
     std::cout << name << ": " << lines.front() << '\n';
   }
-  localizers_ = {"localizer_1"};
   expect_all_well(began, began);
 }
 
@@ -246,11 +253,11 @@ TEST_F(Fault, ALocalizerReachesItsMemoryLimit) {
   fleet_->start_localizer("localizer_1");
   // Less than its map takes: what its sessions take on top may have room in what it has freed.
   fleet_->start_localizer("localizer_2", {"--memory", "96m", "--memory-swap", "96m"});
+  localizers_ = {"localizer_1"};
   start_robots();
   const Moment began = now();
   EXPECT_EQ(containers().inspect("localizer_2", "{{.State.Status}} {{.State.ExitCode}}"),
             "exited 137");
-  localizers_ = {"localizer_1"};
   expect_all_well(began, began, kTakenOverAfter);
 }
 
