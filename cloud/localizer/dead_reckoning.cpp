@@ -111,17 +111,13 @@ PosePrior DeadReckoning::prior(const std::vector<KeyframeId>& window,
   return carried(newest, window, database);
 }
 
-const PoseAnchor& DeadReckoning::anchor_before(const std::vector<KeyframeId>& window) const {
+PosePrior DeadReckoning::before(const std::vector<KeyframeId>& window,
+                                const SessionDatabase& database) const {
   const auto is_before = [&](const PoseAnchor& anchor) {
     return !anchor.keyframe || *anchor.keyframe <= window.front();
   };
   const auto last = std::find_if(anchors_.rbegin(), anchors_.rend(), is_before);
-  return last == anchors_.rend() ? anchors_.front() : *last;
-}
-
-PosePrior DeadReckoning::before(const std::vector<KeyframeId>& window,
-                                const SessionDatabase& database) const {
-  return carried(anchor_before(window), window, database);
+  return carried(last == anchors_.rend() ? anchors_.front() : *last, window, database);
 }
 
 PosePrior DeadReckoning::carried(const PoseAnchor& anchor,
