@@ -111,13 +111,17 @@ PosePrior DeadReckoning::prior(const std::vector<KeyframeId>& window,
   return carried(newest, window, database);
 }
 
-PosePrior DeadReckoning::before(const std::vector<KeyframeId>& window,
-                                const SessionDatabase& database) const {
+const PoseAnchor& DeadReckoning::anchor_before(const std::vector<KeyframeId>& window) const {
   const auto is_before = [&](const PoseAnchor& anchor) {
     return !anchor.keyframe || *anchor.keyframe <= window.front();
   };
   const auto last = std::find_if(anchors_.rbegin(), anchors_.rend(), is_before);
-  return carried(last == anchors_.rend() ? anchors_.front() : *last, window, database);
+  return last == anchors_.rend() ? anchors_.front() : *last;
+}
+
+PosePrior DeadReckoning::before(const std::vector<KeyframeId>& window,
+                                const SessionDatabase& database) const {
+  return carried(anchor_before(window), window, database);
 }
 
 PosePrior DeadReckoning::carried(const PoseAnchor& anchor,

@@ -79,6 +79,11 @@ class DeadReckoning {
   [[nodiscard]] PosePrior before(const std::vector<KeyframeId>& window,
                                  const SessionDatabase& database) const;
 
+  /// Whether that is the start pose: all that was localized is in the window.
+  [[nodiscard]] bool is_start_before(const std::vector<KeyframeId>& window) const {
+    return !anchor_before(window).keyframe;
+  }
+
   /// Path length up to a keyframe of follow(), from where the start pose was known [m]; negative
   /// before it.
   [[nodiscard]] double travelled_m(KeyframeId keyframe) const {
@@ -91,6 +96,7 @@ class DeadReckoning {
     double travelled_m;
   };
 
+  [[nodiscard]] const PoseAnchor& anchor_before(const std::vector<KeyframeId>& window) const;
   /// The anchor, where it does not lie in the window.
   [[nodiscard]] PosePrior carried(const PoseAnchor& anchor,
                                   const std::vector<KeyframeId>& window,

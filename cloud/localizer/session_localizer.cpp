@@ -128,13 +128,22 @@ void SessionLocalizer::synchronize(const std::vector<KeyframeId>& window) {
   nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
 }
 
-// The gate is as wide as the odometry leaves the landmarks' places in the map uncertain.
+// The gate is as wide as the odometry leaves the landmarks' places in the map uncertain. As long as
+// the window has all that was localized, its place is looked for anew with each keyframe, from the
+// start pose: what the first ones say rests on a few surfaces, which may fit elsewhere.
 Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) const {
   const auto& rounds = config_.rounds;
   Prediction result;
   result.is_start = !dead_reckoning_.is_localized();
-  result.prior = dead_reckoning_.prior(window, database_);
   result.before = dead_reckoning_.before(window, database_);
+  if (dead_reckoning_.is_start_before(window)) {
+    const auto& floors = config_.covariance_inflation;
+    result.before.estimate.covariance +=
+        diagonal_covariance(floors.start_floor_rad, floors.start_floor_m);
+    result.prior = result.before;
+  } else {
+    result.prior = dead_reckoning_.prior(window, database_);
+  }
   result.newest = dead_reckoning_.at(database_.newest().item);
   const double sigma_m = landmark_sigma(problem_.positions(), result.prior.estimate);
   result.gate_m =

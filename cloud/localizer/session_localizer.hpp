@@ -29,6 +29,10 @@ namespace fleetloc {
 /// What has left the window is summed up by a prior of its oldest keyframe: the answer that this
 /// keyframe had when it was the newest one, with which the window shares nothing but it.
 ///
+/// Its first windows rest on few surfaces, which may fit elsewhere as well. Until a keyframe that
+/// was localized has left the window, its place is therefore looked for anew each time, as far from
+/// it as the start pose leaves room.
+///
 /// A session without a start pose begins with a search over the whole map (FirstPlace), one of
 /// which it is known roughly with a search around there. What it finds is a start pose like any
 /// other: it is given up if nothing is localized from it.
@@ -59,6 +63,10 @@ class SessionLocalizer {
     /// partly those of the window.
     double prior_floor_m;
     double prior_floor_rad;
+    /// The same, of the start pose: that of a robot which another localizer has localized rests on
+    /// the keyframes that the window has, too.
+    double start_floor_m;
+    double start_floor_rad;
   };
   /// A start pose that FirstPlace has found.
   struct FoundStart {

@@ -24,7 +24,9 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
   return {.floor_m = section.positive("floor_m"),
           .floor_rad = section.positive("floor_rad"),
           .prior_floor_m = section.positive("prior_floor_m"),
-          .prior_floor_rad = section.positive("prior_floor_rad")};
+          .prior_floor_rad = section.positive("prior_floor_rad"),
+          .start_floor_m = section.positive("start_floor_m"),
+          .start_floor_rad = section.positive("start_floor_rad")};
 }
 
 SessionLocalizer::FoundStart read_found_start(ConfigReader section) {
