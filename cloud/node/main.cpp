@@ -7,6 +7,7 @@
 #include "cloud/node/cloud_node.hpp"
 #include "cloud/node/default_config.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 #include "shared/core/ids.hpp"
 
@@ -47,7 +48,7 @@ int main(int argc, char** argv) {
            "--publish-map",
            options.publish_map_voxel_m,
            "shows the map to ROS 2 on this computer, a point for each voxel of this edge [m]")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_up_to(100.0));
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>(Hangup::kReload);  // before any thread
       if (!is_valid_id(options.name)) {

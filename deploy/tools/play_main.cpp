@@ -7,6 +7,7 @@
 #include "deploy/config/default_config.hpp"
 #include "deploy/play/player.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 
 namespace {
@@ -33,14 +34,15 @@ void add_options(CLI::App& app, PlayOptions& options, Arguments& arguments) {
       ->required();
   app.add_option("--sensors", arguments.sensors, "YAML of the robot that is to read the topics");
   app.add_option("--domain", options.domain, "DDS domain of ROS 2 (ROS_DOMAIN_ID), 0 to 100");
-  app.add_option("--rate", options.rate, "speed, 1 if nothing is said")->check(CLI::PositiveNumber);
+  app.add_option("--rate", options.rate, "speed, 1 if nothing is said")
+      ->check(positive_up_to(kMaxRate));
   app.add_flag("--loop", options.loop, "from the start again, until it is stopped");
   app.add_option("--wait", options.wait_s, "seconds to wait for a reader of each topic")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0.0, kLongest_s));
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0.0, kLongest_s));
   app.add_option("--duration", options.duration_s, "seconds of the recording to play")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_up_to(kLongest_s));
   app.add_option(
       "--faults", arguments.faults, "YAML: seed, and faults to inject (see robot/README.md)");
 }

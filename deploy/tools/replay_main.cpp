@@ -8,10 +8,14 @@
 #include "deploy/config/default_config.hpp"
 #include "deploy/replay/replay.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 #include "shared/geometry/pose_text.hpp"
 
 namespace {
+
+constexpr double kMaxLatency_s = 3600.0;
+constexpr double kMaxBandwidth = 1e12;  // [bytes/s]
 
 using namespace fleetloc;
 
@@ -89,12 +93,12 @@ ConfigReader effective(const Program& program, const Arguments& arguments) {
 }
 
 void add_link_options(CLI::App& app, LinkArguments& link) {
-  auto* seed = app.add_option("--seed", link.seed, "of the link's losses");
+  auto* seed = app.add_option("--seed", link.seed, "of the link's losses")->check(whole_number());
   app.add_option("--link", link.file, "YAML: seed, uplink and downlink")->excludes(seed);
-  app.add_option("--loss", link.loss, "probability per datagram")->check(CLI::Range(0.0, 1.0));
-  app.add_option("--latency", link.latency_s, "one way [s]")->check(CLI::NonNegativeNumber);
+  app.add_option("--loss", link.loss, "probability per datagram")->check(number_in(0.0, 1.0));
+  app.add_option("--latency", link.latency_s, "one way [s]")->check(number_in(0.0, kMaxLatency_s));
   app.add_option("--bandwidth", link.bandwidth_bytes_per_s, "[bytes/s]; 0: unlimited")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0.0, kMaxBandwidth));
   app.add_option("--direction", link.direction, "that loss, latency and bandwidth apply to")
       ->check(CLI::IsMember({"up", "down", "both"}));
 }
@@ -108,9 +112,9 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
                  "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
   app.add_option("--initial-sigma", arguments.initial_sigma, "\"m deg\" of that pose, one sigma");
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0.0, kLongest_s));
   app.add_option("--duration", arguments.duration_s, "seconds of the recording to play")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_up_to(kLongest_s));
   app.add_option("--window", arguments.window, "keyframes in the cloud's window")
       ->check(CLI::Range(2, 1000));
   app.add_option("--encoding", arguments.encoding, "of the submaps; compact if nothing is said")

@@ -24,6 +24,7 @@
 #include "deploy/sim/world/scene.hpp"
 #include "robot/dataset/image_file.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 
 namespace {
@@ -64,9 +65,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--season", arguments.season, "season of the scene (that of its survey)")
       ->needs(scene);
   app.add_option("--scene-seed", arguments.scene_seed, "what is built along the route (1)")
+      ->check(whole_number())
       ->needs(scene);
   app.add_option("--rest", arguments.rest_s, "seconds of standstill before recorded poses")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(0.0, kLongest_s))
       ->needs(route);
   auto* cloud = app.add_option("--cloud", arguments.cloud, "instead of a scene: PLY or PCD file")
                     ->excludes(scene);
@@ -83,13 +85,14 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->needs(trajectory);
   app.add_option("--calibration", arguments.calibration, "dataset whose cameras are simulated");
   app.add_option("--out", arguments.sim.out, "dataset folder, is created");
-  app.add_option("--seed", arguments.sim.seed, "of noise, vibration and errors of the sensors (1)");
+  app.add_option("--seed", arguments.sim.seed, "of noise, vibration and errors of the sensors (1)")
+      ->check(whole_number());
   app.add_option("--threads", arguments.sim.threads, "the result is the same with any number (2)")
       ->check(CLI::Range(1, 64));
   app.add_option("--start", arguments.start_s, "seconds of the motion to skip")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0.0, kLongest_s));
   app.add_option("--duration", arguments.duration_s, "seconds of the motion to simulate")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_up_to(kLongest_s));
   auto* lidar = app.add_flag("--lidar", arguments.sim.lidar, "lidar0/ and pointcloud0/data.ply");
   app.add_flag("--no-merged-cloud", arguments.no_merged_cloud, "leave pointcloud0/data.ply out")
       ->needs(lidar);

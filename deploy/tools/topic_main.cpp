@@ -19,6 +19,7 @@
 #include "deploy/topic/sample_text.hpp"
 #include "deploy/topic/topic_table.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 #include "shared/transport/qos_profiles.hpp"
 #include "shared/transport/topic_observer.hpp"
@@ -157,16 +158,17 @@ int main(int argc, char** argv) {
         list_command
             ->add_option(
                 "--duration", arguments.duration_s, "seconds to listen; 5 if nothing is said")
-            ->check(CLI::PositiveNumber);
+            ->check(positive_up_to(kLongest_s));
     list_command->add_flag("!--no-read", arguments.reads, "do not join: no rates, no traffic");
     CLI::App* echo_command = app.add_subcommand("echo", "Samples as they arrive")->fallthrough();
     add_common(*echo_command, arguments);
     echo_command->add_option(
         "topic", arguments.topic, "its name or the end of it, as in robot_1/localization; or all");
     echo_command->add_flag("--json", arguments.is_json, "a line of JSON for each");
-    echo_command->add_option("--count", arguments.count, "end after so many samples");
+    echo_command->add_option("--count", arguments.count, "end after so many samples")
+        ->check(whole_number());
     echo_command->add_option("--duration", arguments.duration_s, "end after so many seconds")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_up_to(kLongest_s));
     return program.run(argc, argv, [&]() -> Program::Run {
       auto termination = std::make_shared<Termination>();  // before any thread
       if (list_command->parsed() && listening->count() == 0) arguments.duration_s = 5.0;

@@ -7,6 +7,7 @@
 #include "robot/node/default_config.hpp"
 #include "robot/node/robot_node.hpp"
 #include "shared/concurrency/termination.hpp"
+#include "shared/config/option_check.hpp"
 #include "shared/config/program.hpp"
 #include "shared/geometry/angle.hpp"
 #include "shared/geometry/pose_text.hpp"
@@ -54,13 +55,13 @@ int main(int argc, char** argv) {
     app.add_option("--out", options.out, "run folder, is created; without it nothing is written");
     app.add_option("--domain", options.domain, "DDS domain of the fleet, 0 to 100");
     app.add_option("--rate", options.rate, "speed of the recording; 0: as fast as possible")
-        ->check(CLI::NonNegativeNumber)
+        ->check(number_in(0.0, kMaxRate))
         ->excludes(sensors);
     app.add_option("--start", options.start_s, "seconds of the recording to skip")
-        ->check(CLI::NonNegativeNumber)
+        ->check(number_in(0.0, kLongest_s))
         ->excludes(sensors);
     auto* limited = app.add_option("--duration", duration, "seconds of the recording to play")
-                        ->check(CLI::PositiveNumber)
+                        ->check(positive_up_to(kLongest_s))
                         ->excludes(sensors);
     auto* start_pose =
         app.add_option("--initial-pose",

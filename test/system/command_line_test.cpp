@@ -227,7 +227,13 @@ TEST_F(CommandLine, IsCheckedByTheReplay) {
       FLEETLOC_REPLAY, with(good, "--out", file("file") + "/out"), file("file") + "/out");
   expect_refused(FLEETLOC_REPLAY, with(good, "--link", file("none.yaml")), file("none.yaml"));
   expect_refused(FLEETLOC_REPLAY, with(good, "--loss", "1.5"), "--loss");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--loss", "nan"), "--loss");
   expect_refused(FLEETLOC_REPLAY, with(good, "--latency", "-1"), "--latency");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--latency", "1e10"), "--latency");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--bandwidth", "inf"), "--bandwidth");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--start", "1e10"), "--start");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--duration", "nan"), "--duration");
+  expect_refused(FLEETLOC_REPLAY, with(good, "--seed", "-1"), "--seed");
   expect_refused(FLEETLOC_REPLAY, with(good, "--direction", "sideways"), "sideways");
   expect_refused(FLEETLOC_REPLAY, with(good, "--window", "1"), "--window");
 }
@@ -241,6 +247,8 @@ TEST_F(CommandLine, IsCheckedByThePlayer) {
   expect_refused(FLEETLOC_PLAY, Words{file("none")}, file("none"));
   refused({"--no-such-option"}, "--no-such-option");
   refused({"--rate", "0"}, "--rate");
+  refused({"--rate", "nan"}, "--rate");
+  refused({"--start", "1e10"}, "--start");
   refused({"--domain", "101"}, "101");
   refused({"--sensors", file("missing.yaml")}, file("missing.yaml"));
   refused({"--faults", file("missing.yaml")}, file("missing.yaml"));
@@ -274,6 +282,7 @@ TEST_F(CommandLine, IsCheckedByTheTopicTool) {
   refused({}, "subcommand");
   refused({"fold"}, "fold");
   refused({"list", "--duration", "0"}, "--duration");
+  refused({"echo", "--count", "-1"}, "--count");
   refused({"list", "--domain", "101"}, "101");
   refused({"echo", "--qos", file("malformed.xml")}, file("malformed.xml"));
   refused({"echo", "--qos", file("other.xml")}, "no participant has");
