@@ -21,10 +21,8 @@ bool is_older(const ImuSample& sample, Timestamp stamp) {
 }  // namespace
 
 bool ImuBuffer::add(const ImuSample& sample) {
-  const bool finite = sample.angular_velocity.allFinite() && sample.specific_force.allFinite();
-  if (!finite || (!samples_.empty() && sample.stamp <= samples_.back().stamp)) {
-    return false;
-  }
+  if (!is_possible(sample)) return false;
+  if (!samples_.empty() && sample.stamp <= samples_.back().stamp) return false;
   samples_.push_back(sample);
   return true;
 }

@@ -14,7 +14,7 @@ namespace fleetloc {
 /// before is joined to what comes after, with stamps that are later by its length.
 class ImuBuffer {
  public:
-  /// Refuses (returns false) a sample that is not finite, or not newer than the last one.
+  /// Refuses (returns false) a sample that is not possible, or not newer than the last one.
   bool add(const ImuSample& sample);
 
   /// Samples of [from, to], the ends interpolated linearly; empty unless the buffer covers both.

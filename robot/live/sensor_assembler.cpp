@@ -116,9 +116,12 @@ void SensorAssembler::add_imu(const ImuSample& sample, ArrivalTime arrival) {
 
 bool SensorAssembler::accept(const ImuSample& sample, ArrivalTime arrival) {
   const std::string& topic = imu_watch_.topic();
-  if (!sample.angular_velocity.allFinite() || !sample.specific_force.allFinite()) {
-    count("imu_not_finite");
-    complain("imu not finite", arrival, topic + ": values that are not finite are left out");
+  if (!is_possible(sample)) {
+    count("imu_impossible");
+    complain(
+        "imu impossible",
+        arrival,
+        topic + ": values that are not finite, or beyond 100 rad/s or 1000 m/s^2, are left out");
     return false;
   }
   const auto accepted = imu_gate_.check(sample.stamp, arrival);

@@ -71,7 +71,7 @@ class SensorAssembler {
   std::vector<std::string> take_events();
 
   /// Counts by name, from the start:
-  /// - "imu_..." and "images_...", by StampRefusal; "imu_not_finite"
+  /// - "imu_..." and "images_...", by StampRefusal; "imu_impossible"
   /// - "wrong_images": not of the calibrated size, or not 8 bit gray
   /// - "unpaired_images": frames with one empty image
   /// - "images_late": a frame of their time had gone out

@@ -8,8 +8,8 @@ std::string_view name(InputRejection reason) {
   switch (reason) {
     case InputRejection::kImuNotNewer:
       return "imu_not_newer";
-    case InputRejection::kImuNotFinite:
-      return "imu_not_finite";
+    case InputRejection::kImuImpossible:
+      return "imu_impossible";
     case InputRejection::kImuAhead:
       return "imu_ahead";
     case InputRejection::kFrameNotNewer:
@@ -27,9 +27,7 @@ unexpected<InputRejection> InputValidator::rejection(InputRejection reason) {
 
 expected<std::vector<ImuSample>, InputRejection> InputValidator::check_imu(
     const ImuSample& sample) {
-  if (!sample.angular_velocity.allFinite() || !sample.specific_force.allFinite()) {
-    return rejection(InputRejection::kImuNotFinite);
-  }
+  if (!is_possible(sample)) return rejection(InputRejection::kImuImpossible);
   const std::optional<ImuSample> waiting = std::exchange(unconfirmed_, std::nullopt);
   const Duration after_waiting = waiting ? sample.stamp - waiting->stamp : Duration{};
   const bool confirms = after_waiting > Duration{} && after_waiting <= max_step_;
@@ -57,7 +55,7 @@ std::map<std::string, std::uint64_t> InputValidator::rejected() const {
   using enum InputRejection;
   std::map<std::string, std::uint64_t> rejected;
   for (const auto reason :
-       {kImuNotNewer, kImuNotFinite, kImuAhead, kFrameNotNewer, kFrameAheadOfImu}) {
+       {kImuNotNewer, kImuImpossible, kImuAhead, kFrameNotNewer, kFrameAheadOfImu}) {
     const auto found = counts_.find(reason);
     rejected.emplace(name(reason), found == counts_.end() ? 0 : found->second);
   }

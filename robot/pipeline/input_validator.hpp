@@ -15,8 +15,8 @@ namespace fleetloc {
 /// Why a measurement was rejected.
 enum class InputRejection {
   kImuNotNewer,
-  kImuNotFinite,
-  kImuAhead,  ///< its stamp is far ahead, and the next sample's has to confirm it
+  kImuImpossible,  ///< not finite, or more than any sensor measures
+  kImuAhead,       ///< its stamp is far ahead, and the next sample's has to confirm it
   kFrameNotNewer,
   kFrameAheadOfImu,
 };

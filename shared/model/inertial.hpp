@@ -14,6 +14,14 @@ struct ImuSample {
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    ///< [m/s^2], +g upwards at rest
 };
 
+/// Whether a sensor can have measured it: finite, at most 100 rad/s and 1000 m/s^2 along each axis.
+[[nodiscard]] inline bool is_possible(const ImuSample& sample) {
+  constexpr double kFastest = 100.0;
+  constexpr double kStrongest = 1000.0;
+  return (sample.angular_velocity.array().abs() <= kFastest).all() &&
+         (sample.specific_force.array().abs() <= kStrongest).all();
+}
+
 /// Model of the motion while IMU samples are missing. All zero: intervals of any length are
 /// integrated as measured.
 struct ImuGapModel {

@@ -101,16 +101,19 @@ TEST(SensorAssembler, RefusesZeroStampsAndSaysSoOnce) {
       ElementsAre("/left: images have no stamps (zero)", "/imu: samples have no stamps (zero)"));
 }
 
-TEST(SensorAssembler, LeavesOutImuValuesThatAreNotFinite) {
-  LiveSensors sensors;
-  ImuSample broken = sample(10ms);
-  broken.angular_velocity.y() = std::numeric_limits<double>::quiet_NaN();
-  sensors.assembler.add_imu(broken, arriving(0ms));
-  sensors.imu(20ms, 10ms);
-  EXPECT_THAT(sensors.taken(), ElementsAre("imu 20"));
-  EXPECT_EQ(sensors.fault("imu_not_finite"), 1U);
-  EXPECT_THAT(sensors.assembler.take_events(),
-              ElementsAre("/imu: values that are not finite are left out"));
+TEST(SensorAssembler, LeavesOutImuValuesThatNoSensorMeasures) {
+  for (const double impossible : {std::numeric_limits<double>::quiet_NaN(), -1e200, 101.0}) {
+    LiveSensors sensors;
+    ImuSample broken = sample(10ms);
+    broken.angular_velocity.y() = impossible;
+    sensors.assembler.add_imu(broken, arriving(0ms));
+    sensors.imu(20ms, 10ms);
+    EXPECT_THAT(sensors.taken(), ElementsAre("imu 20"));
+    EXPECT_EQ(sensors.fault("imu_impossible"), 1U);
+    EXPECT_THAT(sensors.assembler.take_events(),
+                ElementsAre("/imu: values that are not finite, or beyond 100 rad/s or 1000 m/s^2, "
+                            "are left out"));
+  }
 }
 
 TEST(SensorAssembler, TakesAnImageOfAnotherSizeAsMissingAndSaysEachChangeOnce) {

@@ -38,17 +38,19 @@ std::string_view why_not(InputValidator& validator, Duration stamp) {
   return checked ? std::string_view() : name(checked.error());
 }
 
-TEST(InputValidator, RejectsDoubledDisorderedAndNonFiniteSamplesAndCountsThem) {
+TEST(InputValidator, RejectsDoubledDisorderedAndImpossibleSamplesAndCountsThem) {
   InputValidator validator(500ms);
   EXPECT_THAT(accepted(validator, 10ms), ElementsAre(10ms));
   EXPECT_THAT(accepted(validator, 10ms), IsEmpty());
   EXPECT_THAT(accepted(validator, 5ms), IsEmpty());
   ImuSample broken = sample_at(15ms);
   broken.specific_force.y() = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(validator.check_imu(broken).error(), InputRejection::kImuNotFinite);
+  EXPECT_EQ(validator.check_imu(broken).error(), InputRejection::kImuImpossible);
+  broken.specific_force.y() = -1e200;
+  EXPECT_EQ(validator.check_imu(broken).error(), InputRejection::kImuImpossible);
   EXPECT_THAT(accepted(validator, 15ms), ElementsAre(15ms));
   EXPECT_EQ(validator.rejected().at("imu_not_newer"), 2U);
-  EXPECT_EQ(validator.rejected().at("imu_not_finite"), 1U);
+  EXPECT_EQ(validator.rejected().at("imu_impossible"), 2U);
 }
 
 TEST(InputValidator, LetsSamplesThroughAfterAGapOnceTheNextOneConfirmsIt) {

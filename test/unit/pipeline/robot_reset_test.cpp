@@ -121,7 +121,7 @@ TEST_F(RobotReset, IsNotNeededForAnImuGapThatCanBeBridged) {
   cut_imu(6.0, 6.2);
   play(10.0);
   EXPECT_EQ(resets(), 0U);
-  EXPECT_EQ(pipeline_.faults().at("refused_imu_not_finite"), 40U);
+  EXPECT_EQ(pipeline_.faults().at("refused_imu_impossible"), 40U);
   EXPECT_LT(map_error(frames_.back()), 0.05);
   expect_never_confidently_wrong();
 }
