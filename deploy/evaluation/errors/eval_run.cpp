@@ -118,6 +118,10 @@ nlohmann::json evaluate_run(const std::filesystem::path& run,
   const Trajectory odometry = read_trajectory(run / "odometry.tum");
   const auto map = associate(truth, localized, config.max_gap);
   const auto odom = associate(truth, odometry, config.max_gap);
+  if (odom.empty() && !odometry.empty()) {
+    throw std::runtime_error(
+        run.string() + ": no pose of odometry.tum has ground truth; is that of another recording?");
+  }
   const RunCovariances covariances = read_covariances(run / "diagnostics.csv");
   const Pose T_truth_odom = align(odom, Alignment::kSe3);
   return {

@@ -29,7 +29,7 @@ nlohmann::json evaluate(const Trajectory& truth,
                         const EvaluationConfig& config);
 
 /// What evaluation.json of a run folder holds. A value that the run does not allow (it was never
-/// localized, or all its poses lie outside of the ground truth) is null.
+/// localized, or is shorter than an interval) is null.
 ///
 /// - `ate`, `rotation_deg`: of localization_frames.tum as it is
 /// - `odometry_ate`, `odometry_rotation_deg`: of odometry.tum, aligned in SE(3)
@@ -44,7 +44,8 @@ nlohmann::json evaluate(const Trajectory& truth,
 /// - `nees` {map, odom}: means over the frames of diagnostics.csv, per degree of freedom; for odom
 ///   position and heading are aligned at its first pose
 ///
-/// Throws std::runtime_error for files that cannot be read.
+/// Throws std::runtime_error for files that cannot be read, and for a run with odometry of which no
+/// pose has ground truth.
 nlohmann::json evaluate_run(const std::filesystem::path& run,
                             const Trajectory& truth,
                             const EvaluationConfig& config);

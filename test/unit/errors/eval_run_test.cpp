@@ -261,6 +261,17 @@ TEST_F(EvaluateRun, HasNoMapErrorsForARunThatWasNeverLocalized) {
   EXPECT_FALSE(evaluation["odometry_ate"].is_null());
 }
 
+TEST_F(EvaluateRun, RefusesTheTruthOfAnotherRecording) {
+  Trajectory other = truth();
+  for (StampedPose& pose : other) pose.stamp += std::chrono::hours(24);
+  try {
+    evaluate_run(folder_, other, config());
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(folder_.string() + ": no pose of odometry.tum"));
+  }
+}
+
 TEST_F(EvaluateRun, NamesAMissingColumn) {
   std::ofstream(folder_ / "diagnostics.csv") << "stamp_s,state\n";
   try {
