@@ -38,14 +38,18 @@ LocalizerPlan read_localizer_plan(ConfigReader config) {
   const auto events = config.get<std::vector<YAML::Node>>("events");
   for (std::size_t i = 0; i < events.size(); ++i) {
     const std::string origin =
-        "line " + std::to_string(events[i].Mark().line + 1) + ": events[" + std::to_string(i) + "]";
-    ConfigReader reader = ConfigReader::from_string(YAML::Dump(events[i]), origin);
-    LocalizerPlan::Event event = read_event(reader, origin);
-    reader.expect_fully_read();
-    if (!plan.events.empty() && event.at_s < plan.events.back().at_s) {
-      throw ConfigError(origin + ": at_s: must not be before that of the event before");
+        "line " + std::to_string(events[i].Mark().line + 1) + ": event " + std::to_string(i + 1);
+    try {
+      ConfigReader reader = ConfigReader::from_string(YAML::Dump(events[i]), origin);
+      LocalizerPlan::Event event = read_event(reader, origin);
+      reader.expect_fully_read();
+      if (!plan.events.empty() && event.at_s < plan.events.back().at_s) {
+        throw ConfigError(origin + ": at_s: must not be before that of the event before");
+      }
+      plan.events.push_back(std::move(event));
+    } catch (const ConfigError& error) {
+      config.fail("events", error.what());
     }
-    plan.events.push_back(std::move(event));
   }
   config.expect_fully_read();
   return plan;

@@ -60,7 +60,8 @@ DdsOptions read_dds(ConfigReader section, const std::filesystem::path& base) {
   return dds;
 }
 
-/// Only a replay has the control that is aligned once, and the baseline; only DDS has profiles.
+/// Only a replay has the control that is aligned once, the baseline, and localizers that come and
+/// go; only DDS has profiles.
 void expect_playable(const Plan& plan, ConfigReader reader) {
   ConfigReader configurations = reader.section("configurations");
   for (const ConfigurationSpec& spec : plan.configurations) {
@@ -68,9 +69,10 @@ void expect_playable(const Plan& plan, ConfigReader reader) {
       if (!spec.qos.empty()) configurations.section(spec.name).fail("qos", "only with mode: dds");
       continue;
     }
-    if (!spec.align_once && !spec.icp_baseline) continue;
-    configurations.section(spec.name).fail(spec.align_once ? "align_once" : "baseline",
-                                           "only a replay can");
+    ConfigReader section = configurations.section(spec.name);
+    if (spec.align_once) section.fail("align_once", "only a replay can");
+    if (spec.icp_baseline) section.fail("baseline", "only a replay can");
+    if (!spec.localizers.empty()) section.fail("localizers", "only a replay can");
   }
 }
 

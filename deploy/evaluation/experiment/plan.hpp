@@ -60,6 +60,7 @@ struct ConfigurationSpec {
   bool align_once = false;
   bool odometry_only = false;
   bool icp_baseline = false;  ///< in place of link and cloud
+  std::string localizers;     ///< YAML, see read_localizer_plan(); empty: one, to the end
   std::filesystem::path qos;  ///< over DDS, in place of the plan's; empty: that one
 };
 

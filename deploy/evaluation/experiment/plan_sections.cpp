@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "deploy/config/default_config.hpp"
+#include "deploy/replay/localizer_plan.hpp"
 
 namespace fleetloc {
 namespace {
@@ -169,6 +170,13 @@ ConfigurationSpec read_configuration_spec(const std::string& name,
     if (section.get<std::string>("baseline") != "icp") section.fail("baseline", "must be icp");
     if (spec.odometry_only) section.fail("baseline", "odometry alone is never aligned");
     spec.icp_baseline = true;
+  }
+  if (section.has("localizers")) {
+    if (spec.odometry_only) section.fail("localizers", "odometry alone has none");
+    if (spec.icp_baseline) section.fail("localizers", "the baseline has none");
+    const ConfigReader localizers = section.section("localizers");
+    read_localizer_plan(localizers);
+    spec.localizers = localizers.text();
   }
   return spec;
 }

@@ -83,6 +83,11 @@ void replay(const Run& run,
   if (!run.configuration->odometry_only) {
     words.insert(words.end(), {"--map", context.inputs->map(run.dataset->map).path.string()});
   }
+  if (!run.configuration->localizers.empty()) {
+    const fs::path localizers = place.folder / "localizers.yaml";
+    write_text(localizers, run.configuration->localizers);
+    words.insert(words.end(), {"--localizers", localizers.string()});
+  }
   if (run.configuration->align_once) words.emplace_back("--align-once");
   if (run.configuration->icp_baseline) words.insert(words.end(), {"--baseline", "icp"});
   run_program(words, place.folder / "log.txt", stop);

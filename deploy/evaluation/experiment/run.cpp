@@ -35,6 +35,7 @@ std::string identity_of(const Run& run,
   if (run.configuration->odometry_only) return fingerprint.text();  // the rest has no effect
   return fingerprint.add("map", inputs.map(run.dataset->map).identity)
       .add("align once", run.configuration->align_once ? "yes" : "no")
+      .add("localizers", run.configuration->localizers)
       .add("baseline", run.configuration->icp_baseline ? "icp" : "none")
       .add("link", link_yaml(link_of(run)))
       .add("start position error", exact_text(plan.start_error.position_m))

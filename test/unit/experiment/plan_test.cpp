@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "deploy/replay/localizer_plan.hpp"
 #include "test/unit/experiment/plan_files.hpp"
 
 namespace fleetloc {
@@ -160,6 +161,32 @@ TEST_F(PlanFile, KnowsOneBaseline) {
                   .icp_baseline);
   expect_refused(
       "default: {}", "default: {baseline: gicp}", "8: configurations.default.baseline", "icp");
+}
+
+TEST_F(PlanFile, SaysWhatBecomesOfTheLocalizers) {
+  const std::string killed =
+      "default: {localizers: {events: [{at_s: 0, localizer: first, event: start}, "
+      "{at_s: 3, localizer: first, event: kill}]}}";
+  const std::string yaml =
+      read_text(with(small_plan(), "default: {}", killed)).configurations.front().localizers;
+  const auto events = read_localizer_plan(ConfigReader::from_string(yaml)).events;
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events.back().at_s, 3.0);
+  EXPECT_EQ(events.back().kind, LocalizerPlan::Kind::kKill);
+  expect_refused("default: {}", with(killed, "kill", "die"), "8", "none of start, stop, kill");
+  expect_refused("default: {}",
+                 with(killed, "default: {", "default: {odometry_only: true, "),
+                 "8: configurations.default.localizers",
+                 "has none");
+  expect_refused("default: {}",
+                 with(killed, "default: {", "default: {baseline: icp, "),
+                 "8: configurations.default.localizers",
+                 "has none");
+  write("lan.xml", "profiles");
+  const std::string dds =
+      with(small_plan(), "mode: replay\n", "mode: dds\ndds: {qos: lan.xml, rate: 2}\n");
+  EXPECT_THAT([&] { read_text(with(dds, "default: {}", killed)); },
+              ThrowsMessage<ConfigError>(HasSubstr("only a replay can")));
 }
 
 TEST_F(PlanFile, IsRefusedForWhatTheProgramsWouldRefuse) {

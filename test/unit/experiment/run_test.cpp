@@ -82,6 +82,8 @@ TEST_F(ExperimentRun, IsAnotherOneForAnyOtherInput) {
   expect_changed("default: {}", "default: {config: {localizer: {window: 11}}}");
   expect_changed("default: {}", "default: {align_once: true}");
   expect_changed("default: {}", "default: {baseline: icp}");
+  expect_changed("default: {}",
+                 "default: {localizers: {events: [{at_s: 0, localizer: l, event: start}]}}");
   expect_changed("ideal: {}", "ideal: {loss: 0.1}");
   expect_changed("ideal: {}", "ideal: {burst_length: 2}");
   expect_changed("ideal: {}", "ideal: {outages: [[10, 5]]}");
