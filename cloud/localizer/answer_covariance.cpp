@@ -34,7 +34,7 @@ std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
   }
   const WeakDirections weak = constraint.weaker_than(config.weak_sigma_m);
   const double weak_sigma_m = weak_sigma(weak, constraint.motion, newest);
-  newest.covariance += carried(rivals, problem.pose(prediction.prior.keyframe), newest.T_map_body);
+  newest.covariance += rivals;
   return AnswerCovariance{newest.covariance, weak_sigma_m};
 }
 

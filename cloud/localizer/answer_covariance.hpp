@@ -19,8 +19,7 @@ struct AnswerCovariance {
 /// the optimization adds to it there is noise of the map's normals. A first place was looked for in
 /// all the room that the start pose leaves, and its matches were chosen with it: there more
 /// directions count.
-/// @param rivals  of the keyframe that was aligned, that of `prediction.prior`; see
-///                RigidAlignment::Result
+/// @param rivals  of the newest keyframe; see RigidAlignment::Result
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,

@@ -14,6 +14,7 @@ struct Prediction {
   double gate_m = 0.0;        ///< its landmarks should be this close to the map
   bool is_rough = false;      ///< too far to match landmarks one by one: align the window first
   bool is_start = false;      ///< nothing was localized before: it all comes from the start pose
+  bool is_early = false;      ///< all that was localized before is in the window
 };
 
 /// Standard deviation of the landmarks' places in the map that follows from that of the pose [m].

@@ -66,17 +66,15 @@ LocalizationResult SessionLocalizer::localize() {
 
   synchronize(window);
   const Prediction prediction = predict(window);
-  RigidAlignment::Result aligned;
-  if (prediction.is_rough) {
-    aligned = align(prediction);
-    problem_.move(aligned.T_new_old);
-  }
+  if (!prediction.is_early) early_look_.reset();
+  const std::optional<Look> looked = prediction.is_rough ? look(prediction) : early_look_;
   restrain(prediction.before);
   const MapFit fit = fit_to_map(prediction);
-  expected<Solution, Rejection> solution = accept(prediction, fit, aligned.rivals);
+  expected<Solution, Rejection> solution = accept(prediction, fit, looked);
 
   const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
   if (!solution) return rejected(solution.error(), diagnostics);
+  if (prediction.is_early) early_look_ = looked;
   store(solution->newest);
   return localized(std::move(*solution), diagnostics);
 }
@@ -128,32 +126,53 @@ void SessionLocalizer::synchronize(const std::vector<KeyframeId>& window) {
   nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
 }
 
-// The gate is as wide as the odometry leaves the landmarks' places in the map uncertain. As long as
-// the window has all that was localized, its place is looked for anew with each keyframe, from the
-// start pose: what the first ones say rests on a few surfaces, which may fit elsewhere.
+// As long as the window has all that was localized, its place is looked for anew from the start
+// pose on the way: what the first keyframes say rests on a few surfaces, which may fit elsewhere.
 Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) const {
-  const auto& rounds = config_.rounds;
   Prediction result;
   result.is_start = !dead_reckoning_.is_localized();
+  result.is_early = dead_reckoning_.is_start_before(window);
   result.before = dead_reckoning_.before(window, database_);
-  if (dead_reckoning_.is_start_before(window)) {
+  result.prior = dead_reckoning_.prior(window, database_);
+  result.newest = dead_reckoning_.at(database_.newest().item);
+  result.gate_m = gate_m(result.prior);
+  const double tracking_gate_m = config_.rounds.tracking_gate_m;
+  if (result.is_early) {
     const auto& floors = config_.covariance_inflation;
     result.before.estimate.covariance +=
         diagonal_covariance(floors.start_floor_rad, floors.start_floor_m);
-    result.prior = result.before;
-  } else {
-    result.prior = dead_reckoning_.prior(window, database_);
+    if (result.gate_m > tracking_gate_m || is_look_due(window)) {
+      result.prior = result.before;
+      result.gate_m = gate_m(result.prior);
+    }
   }
-  result.newest = dead_reckoning_.at(database_.newest().item);
-  const double sigma_m = landmark_sigma(problem_.positions(), result.prior.estimate);
-  result.gate_m =
-      std::clamp(rounds.gate_sigmas * sigma_m, rounds.tracking_gate_m, rounds.widest_gate_m);
-  result.is_rough = result.gate_m > rounds.tracking_gate_m;
+  result.is_rough = result.gate_m > tracking_gate_m;
   return result;
 }
 
-// The whole window as one rigid body. While the first place is unconfirmed, the one found last is a
-// start as well.
+// As wide as the odometry leaves the landmarks' places in the map uncertain.
+double SessionLocalizer::gate_m(const PosePrior& prior) const {
+  const auto& rounds = config_.rounds;
+  const double sigma_m = landmark_sigma(problem_.positions(), prior.estimate);
+  return std::clamp(rounds.gate_sigmas * sigma_m, rounds.tracking_gate_m, rounds.widest_gate_m);
+}
+
+bool SessionLocalizer::is_look_due(const std::vector<KeyframeId>& window) const {
+  if (!early_look_ || !std::ranges::binary_search(window, early_look_->keyframe)) return true;
+  const double way_m = dead_reckoning_.travelled_m(window.back()) - early_look_->travelled_m;
+  return way_m >= config_.rounds.early_look_way_m;
+}
+
+// The whole window as one rigid body, which is moved to its place.
+SessionLocalizer::Look SessionLocalizer::look(const Prediction& prediction) {
+  const RigidAlignment::Result aligned = align(prediction);
+  problem_.move(aligned.T_new_old);
+  return {.travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id),
+          .keyframe = prediction.prior.keyframe,
+          .rivals = aligned.rivals};
+}
+
+// While the first place is unconfirmed, the one found last is a start as well.
 RigidAlignment::Result SessionLocalizer::align(const Prediction& prediction) const {
   const KeyframeId keyframe = prediction.prior.keyframe;
   const PoseWithCovariance prior{problem_.pose(keyframe), prediction.prior.estimate.covariance};
@@ -212,11 +231,12 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
 
 // The place first: the window is linearized only where its covariance is of use.
 expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
-    const Prediction& prediction, const MapFit& fit, const Matrix6d& rivals) {
+    const Prediction& prediction, const MapFit& fit, const std::optional<Look>& looked) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
 
   WindowSystem system = problem_.system();
+  const Matrix6d rivals = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
   const auto stated =
       answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, rivals);
   const auto certain = acceptance_.check_certainty(stated);
@@ -228,6 +248,13 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   const auto confirmed = acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, path);
   if (!confirmed) return unexpected(confirmed.error());
   return Solution{{fit.T_map_body, stated->covariance}, std::move(system)};
+}
+
+// Other places are those of the whole window: the newest pose moves rigidly with the keyframe.
+Matrix6d SessionLocalizer::rivals_of_newest(const Look& looked) const {
+  const Matrix6d A =
+      adjoint(inverse(problem_.pose(database_.newest().item.id)) * problem_.pose(looked.keyframe));
+  return A * looked.rivals * A.transpose();
 }
 
 void SessionLocalizer::store(const PoseWithCovariance& newest) {

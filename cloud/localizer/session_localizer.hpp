@@ -30,8 +30,8 @@ namespace fleetloc {
 /// keyframe had when it was the newest one, with which the window shares nothing but it.
 ///
 /// Its first windows rest on few surfaces, which may fit elsewhere as well. Until a keyframe that
-/// was localized has left the window, its place is therefore looked for anew each time, as far from
-/// it as the start pose leaves room.
+/// was localized has left the window, its place is therefore looked for anew on the way, as far
+/// from it as the start pose leaves room.
 ///
 /// A session without a start pose begins with a search over the whole map (FirstPlace), one of
 /// which it is known roughly with a search around there. What it finds is a start pose like any
@@ -49,12 +49,13 @@ class SessionLocalizer {
   };
   struct Rounds {
     double final_gate_m;
-    double tracking_gate_m;  ///< of the first round, once the pose is known
-    double widest_gate_m;    ///< of the alignment, however uncertain the prior
-    double gate_sigmas;      ///< width of the first gate, in sigmas of the prior
-    double shrink;           ///< of the gate from round to round
-    Convergence tracking;    ///< while the pose is known
-    Convergence rough;       ///< otherwise: far from the optimum, steps are many and small
+    double tracking_gate_m;   ///< of the first round, once the pose is known
+    double widest_gate_m;     ///< of the alignment, however uncertain the prior
+    double gate_sigmas;       ///< width of the first gate, in sigmas of the prior
+    double shrink;            ///< of the gate from round to round
+    double early_look_way_m;  ///< driven until an early window's place is looked for anew
+    Convergence tracking;     ///< while the pose is known
+    Convergence rough;        ///< otherwise: far from the optimum, steps are many and small
   };
   struct CovarianceInflation {
     double floor_m;  ///< added to the standard deviations: systematic errors of map and stereo pair
@@ -134,18 +135,28 @@ class SessionLocalizer {
     PoseWithCovariance newest;  // without the floors
     WindowSystem system;
   };
+  // The place of a window, looked for as one rigid body.
+  struct Look {
+    double travelled_m;
+    KeyframeId keyframe;  // of the prior
+    Matrix6d rivals;      // see RigidAlignment::Result, of that keyframe
+  };
 
   void search(const std::vector<KeyframeId>& window);
   void start_at(const Pose& T_map_odom);
   void give_up_found_start();
   void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
+  [[nodiscard]] double gate_m(const PosePrior& prior) const;
+  [[nodiscard]] bool is_look_due(const std::vector<KeyframeId>& window) const;
+  Look look(const Prediction& prediction);
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
   MapFit fit_to_map(const Prediction& prediction);
   expected<Solution, Rejection> accept(const Prediction& prediction,
                                        const MapFit& fit,
-                                       const Matrix6d& rivals);
+                                       const std::optional<Look>& looked);
+  [[nodiscard]] Matrix6d rivals_of_newest(const Look& looked) const;
   void store(const PoseWithCovariance& newest);
   LocalizationResult localized(Solution solution, const LocalizationDiagnostics& diagnostics);
   LocalizationResult rejected(Rejection reason, const LocalizationDiagnostics& diagnostics);
@@ -161,6 +172,7 @@ class SessionLocalizer {
   Acceptance acceptance_;
   std::optional<FirstPlace> first_place_;
   std::optional<double> found_at_m_;  // travelled, of the start pose that was found last
+  std::optional<Look> early_look_;    // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;
   LocalizationDiagnostics diagnostics_;
 };

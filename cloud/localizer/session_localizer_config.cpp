@@ -16,6 +16,7 @@ SessionLocalizer::Rounds read_rounds(ConfigReader section) {
           .widest_gate_m = section.positive("widest_gate_m"),
           .gate_sigmas = section.positive("gate_sigmas"),
           .shrink = section.positive("shrink"),
+          .early_look_way_m = section.positive("early_look_way_m"),
           .tracking = read_convergence(section.section("tracking")),
           .rough = read_convergence(section.section("rough"))};
 }
