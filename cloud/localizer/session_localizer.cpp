@@ -12,6 +12,14 @@ namespace {
 constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
 constexpr std::size_t kBytesPerLandmark = 900;
 
+// Along each axis at least these standard deviations.
+Matrix6d raised_to(double sigma_rad, double sigma_m, const Matrix6d& covariance) {
+  const Vector6d least = diagonal_covariance(sigma_rad, sigma_m).diagonal();
+  Matrix6d result = covariance;
+  result.diagonal() += (least - covariance.diagonal()).cwiseMax(0.0);
+  return result;
+}
+
 // [rad, m], as one number.
 double distance(const Pose& from, const Pose& to) {
   return local_coordinates(from, to).norm();
@@ -139,8 +147,8 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
   const double tracking_gate_m = config_.rounds.tracking_gate_m;
   if (result.is_early) {
     const auto& floors = config_.covariance_inflation;
-    result.before.estimate.covariance +=
-        diagonal_covariance(floors.start_floor_rad, floors.start_floor_m);
+    Matrix6d& start = result.before.estimate.covariance;
+    start = raised_to(floors.start_floor_rad, floors.start_floor_m, start);
     if (result.gate_m > tracking_gate_m || is_look_due(window)) {
       result.prior = result.before;
       result.gate_m = gate_m(result.prior);

@@ -64,8 +64,8 @@ class SessionLocalizer {
     /// partly those of the window.
     double prior_floor_m;
     double prior_floor_rad;
-    /// The same, of the start pose: that of a robot which another localizer has localized rests on
-    /// the keyframes that the window has, too.
+    /// No start pose counts as better along any axis: that of a robot which another localizer has
+    /// localized rests on the keyframes that the window has, too.
     double start_floor_m;
     double start_floor_rad;
   };
