@@ -215,7 +215,7 @@ TEST(SessionLocalizer, BeginsWhereTheStartPoseWasKnownWhereverOdomBegan) {
     const LocalizationResult expected = of_near.localize();
     const LocalizationResult answer = of_far.localize();
     EXPECT_EQ(name(answer.status), name(expected.status)) << i;
-    EXPECT_LT(local_coordinates(answer.T_map_body, expected.T_map_body).norm(), 1e-3) << i;
+    EXPECT_LT(local_coordinates(answer.T_map_body, expected.T_map_body).norm(), 1e-6) << i;
     EXPECT_TRUE(answer.covariance.isApprox(expected.covariance, 1e-3)) << i;
     EXPECT_EQ(answer.status == kLocalized, i >= 2) << name(answer.status);
   }
