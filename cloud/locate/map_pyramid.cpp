@@ -1,6 +1,7 @@
 #include "cloud/locate/map_pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,12 +10,12 @@ namespace fleetloc {
 namespace {
 
 // A surface at `p` [cells] explains a landmark in its cell wholly, in a cell beside it by the
-// distance to that one: a normal distribution of one cell.
-std::uint8_t value_in(const Eigen::Vector3d& p, const Eigen::Vector3i& cell) {
-  const Eigen::Array3d low = cell.cast<double>().array() - p.array();
-  const Eigen::Array3d beside = low.max(-low - 1.0).max(0.0);
-  return static_cast<std::uint8_t>(
-      std::lround(MapPyramid::kFull * std::exp(-0.5 * beside.square().sum())));
+// distance to that one: a normal distribution of one cell. This is the share that one axis has in
+// it, for the cell before that of `p`, its own, and the one behind.
+std::array<double, 3> shares_along(double p) {
+  const double before = p - std::floor(p);
+  const double behind = 1.0 - before;
+  return {std::exp(-0.5 * before * before), 1.0, std::exp(-0.5 * behind * behind)};
 }
 
 /// [cells], above the ground.
@@ -48,12 +49,17 @@ CellGrid values_of(const LaserMap& map,
   for (const MapPoint& point : map.points()) {
     if (!stands(point)) continue;
     const Eigen::Vector3d p = cells_at(point, ground, config.cell_m);
-    const Eigen::Vector3i at = floored(p);
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) {
-          const Eigen::Vector3i beside = at + Eigen::Vector3i(x, y, z);
-          values.raise(beside, value_in(p, beside));
+    const Eigen::Vector3i first = floored(p) - margin;
+    const std::array<double, 3> along_x = shares_along(p.x());
+    const std::array<double, 3> along_y = shares_along(p.y());
+    const std::array<double, 3> along_z = shares_along(p.z());
+    for (std::size_t z = 0; z < 3; ++z) {
+      for (std::size_t y = 0; y < 3; ++y) {
+        const double full = MapPyramid::kFull * along_z[z] * along_y[y];
+        for (std::size_t x = 0; x < 3; ++x) {
+          const Eigen::Vector3i beside =
+              first + Eigen::Matrix<std::size_t, 3, 1>(x, y, z).cast<int>();
+          values.raise(beside, static_cast<std::uint8_t>(full * along_x[x] + 0.5));
         }
       }
     }
