@@ -17,6 +17,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr const char* kSessions = "sessions.json";
+
 constexpr milliseconds kPatience{5};   // between polls of the workers
 constexpr milliseconds kGoodbye{300};  // for the status that says it to be on its way
 
@@ -48,13 +50,6 @@ std::uint32_t domain_with_profiles(const CloudNodeOptions& options) {
   return options.domain;
 }
 
-std::filesystem::path created(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
-  return folder;
-}
-
 }  // namespace
 
 CloudNode::CloudNode(const CloudNodeOptions& options,
@@ -62,6 +57,7 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
                      ReloadRequest& reload)
     : options_(options),
       reload_(reload),
+      out_(options.out.empty() ? nullptr : std::make_unique<const OutputFolder>(options.out)),
       map_(std::make_shared<const LaserMap>(load_map(options.map))),
       channel_(channel_config(options)),
       pool_(options.name,
@@ -71,7 +67,8 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
             make_pyramid(*map_, config.pool.pyramid)),
       fleet_(domain_with_profiles(options)) {
   if (!options.out.empty()) {
-    log_.emplace(created(options.out) / "status.csv", steady_now());
+    std::filesystem::remove(options.out / kSessions);  // of the start before
+    log_.emplace(options.out / "status.csv", steady_now());
   }
   if (options.publish_map_voxel_m) {
     map_publisher_.emplace(*map_, *options.publish_map_voxel_m, config.map_publisher);
@@ -102,7 +99,7 @@ void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) 
   for (const auto& [reason, count] : pool_.unattributed()) {
     spdlog::warn("{}: {} messages of robots that are not served: {}", options_.name, count, reason);
   }
-  if (!options_.out.empty()) write_sessions(options_.out / "sessions.json", pool_.reports());
+  if (!options_.out.empty()) write_sessions(options_.out / kSessions, pool_.reports());
   spdlog::info("{}: stopped, {} robots served", options_.name, pool_.reports().size());
 }
 

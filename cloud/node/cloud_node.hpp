@@ -14,6 +14,7 @@
 #include "cloud/pool/localizer_pool.hpp"
 #include "cloud/pool/worker_load.hpp"
 #include "shared/concurrency/reload_request.hpp"
+#include "shared/config/output_folder.hpp"
 #include "shared/link/link_config.hpp"
 #include "shared/service/service_manager.hpp"
 #include "shared/transport/dds_channel.hpp"
@@ -61,6 +62,7 @@ class CloudNode {
   CloudNodeOptions options_;
   ReloadRequest& reload_;
   ServiceManager service_;
+  std::unique_ptr<const OutputFolder> out_;
   std::optional<StatusLog> log_;
   std::shared_ptr<const LaserMap> map_;
   DdsChannel channel_;

@@ -43,6 +43,7 @@ void StatusLog::add(const LocalizerPool& pool, double load, Timestamp now) {
   stream_ << to_seconds(now - start_) << ',' << pool.sessions() << ',' << load << ',' << submaps
           << ',' << localized << ',' << state_of(pool.status()) << '\n'
           << std::flush;
+  if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written; is the disk full?");
   constexpr std::streamoff kMaxBytes = 20'000'000;
   if (stream_.tellp() > kMaxBytes) begin_anew();
 }

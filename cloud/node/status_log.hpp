@@ -17,7 +17,7 @@ class StatusLog {
   /// Throws std::runtime_error that names the file.
   StatusLog(const std::filesystem::path& file, Timestamp start);
 
-  /// Writes a line if one is due.
+  /// Writes a line if one is due. Throws as the constructor.
   void add(const LocalizerPool& pool, double load, Timestamp now);
 
   /// Throws as the constructor.

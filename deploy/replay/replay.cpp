@@ -119,11 +119,13 @@ std::unique_ptr<Localization> localization(const ReplayOptions& options,
   return options.align_once ? std::make_unique<AlignedOnce>(std::move(made)) : std::move(made);
 }
 
-/// Writes the cloud's sessions.json at the end of the run.
+/// Writes the cloud's sessions.json at the end of the run, and takes that of an earlier one away.
 class SessionsFile final : public RobotSink {
  public:
   SessionsFile(const Localization* localization, std::filesystem::path folder)
-      : localization_(localization), folder_(std::move(folder)) {}
+      : localization_(localization), folder_(std::move(folder)) {
+    std::filesystem::remove(folder_ / "sessions.json");
+  }
 
   void add(const RobotOutput& /*output*/) override {}
   void finish(const RunEnd& /*end*/) override {

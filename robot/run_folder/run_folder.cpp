@@ -1,10 +1,13 @@
 #include "robot/run_folder/run_folder.hpp"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -23,6 +26,9 @@ constexpr const char* kDiagnostics = "diagnostics.csv";
 constexpr const char* kAnswers = "answers.csv";
 constexpr std::array kFiles{
     kOdometry, kLocalization, kLocalizationFrames, kDiagnostics, kAnswers};  // of a part
+
+constexpr const char* kSummary = "summary.json";
+constexpr std::string_view kPart = "part_";
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCoveredForSeconds =
@@ -71,6 +77,22 @@ std::string diagnostics_line(const FrameRecord& frame) {
   return line + "," + std::to_string(frame.resets) + "\n";
 }
 
+/// The largest number of a part in the folder; 0 without any.
+std::size_t parts_in(const std::filesystem::path& folder) {
+  std::size_t largest = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kPart)) continue;
+    std::size_t number = 0;
+    const auto read =
+        std::from_chars(name.data() + kPart.size(), name.data() + name.size(), number);
+    if (read.ec == std::errc{} && read.ptr == name.data() + name.size()) {
+      largest = std::max(largest, number);
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 RunParts read_run_parts(ConfigReader section) {
@@ -83,10 +105,8 @@ RunParts read_run_parts(ConfigReader section) {
 }
 
 RunFolder::RunFolder(const std::filesystem::path& folder, const RunParts& parts)
-    : folder_(folder), parts_(parts) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
+    : folder_(folder), own_(folder), parts_(parts), parts_before_(parts_in(folder)) {
+  std::filesystem::remove(folder_ / kSummary);  // of an earlier run; this one may be killed
   open();
 }
 
@@ -116,8 +136,8 @@ void RunFolder::begin_part() {
 
 std::filesystem::path RunFolder::part_folder(std::size_t number) const {
   std::array<char, 32> name{};
-  std::snprintf(name.data(), name.size(), "part_%06zu", number);
-  return folder_ / name.data();
+  std::snprintf(name.data(), name.size(), "%06zu", number);
+  return folder_ / (std::string(kPart) + name.data());
 }
 
 bool RunFolder::is_part_complete() {
@@ -148,6 +168,7 @@ void RunFolder::add_imu_rate_pose(const PoseEstimate& pose) {
 void RunFolder::add_frame(const FrameRecord& frame) {
   record_frame(frame);
   flush();
+  expect_written();
   if (is_part_complete()) begin_part();
 }
 
@@ -170,6 +191,20 @@ void RunFolder::record_frame(const FrameRecord& frame) {
 // Whole lines, for the monitor and for runs that are killed.
 void RunFolder::flush() {
   for (std::ofstream* stream : streams()) stream->flush();
+}
+
+void RunFolder::expect_written() const {
+  const auto expect = [&](const std::ofstream& stream, const char* name) {
+    if (!stream) {
+      throw std::runtime_error((folder_ / name).string() +
+                               ": could not be written completely; is the disk full?");
+    }
+  };
+  expect(odometry_, kOdometry);
+  expect(localization_, kLocalization);
+  expect(localization_frames_, kLocalizationFrames);
+  expect(diagnostics_, kDiagnostics);
+  expect(answers_, kAnswers);
 }
 
 void RunFolder::count_coverage(const PoseEstimate& pose) {
@@ -217,14 +252,12 @@ void RunFolder::finish(RunSummary summary) {
     times.coverage =
         static_cast<double>(covered_frames_) / static_cast<double>(frames_since_first_pose_);
   }
-  for (std::ofstream* stream : streams()) {
-    stream->flush();
-    if (!*stream) throw std::runtime_error(folder_.string() + ": could not be written completely");
-  }
-  std::ofstream json = opened(folder_ / "summary.json");
+  flush();
+  std::ofstream json = opened(folder_ / kSummary);
   json << to_json(summary, times).dump(2) << '\n';
   json.close();
-  if (!json) throw std::runtime_error(folder_.string() + "/summary.json: cannot be written");
+  if (!json) throw std::runtime_error((folder_ / kSummary).string() + ": cannot be written");
+  expect_written();
 }
 
 }  // namespace fleetloc

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/config/output_folder.hpp"
 #include "shared/core/histogram.hpp"
 #include "shared/model/localization_result.hpp"
 #include "shared/model/pose_estimate.hpp"
@@ -79,10 +80,12 @@ struct RunParts {
 RunParts read_run_parts(ConfigReader section);
 
 /// The folder that a robot or a replay writes. All poses are causal: as known at that time. What
-/// was written before the latest part is in the folder's part_000001, part_000002 and so on.
+/// was written before the latest part is in the folder's part_000001, part_000002 and so on. What
+/// an earlier run left there is written over, but for its parts, whose numbers go on.
 class RunFolder {
  public:
-  /// Creates the folder and its files; throws std::runtime_error that names what cannot be made.
+  /// Creates the folder and its files; throws std::runtime_error that names what cannot be made, or
+  /// the folder if another program is writing there.
   explicit RunFolder(const std::filesystem::path& folder, const RunParts& parts = {});
 
   /// What follows is a new part.
@@ -92,11 +95,13 @@ class RunFolder {
   /// @param yaml  the configuration in force
   void write_config(const std::string& yaml) const;
   void add_imu_rate_pose(const PoseEstimate& pose);
+  /// Throws std::runtime_error if what was recorded so far cannot be written, as on a full disk.
   void add_frame(const FrameRecord& frame);
   void add_answer(const AnswerRecord& answer);
 
   /// Writes summary.json, of all parts: the given figures, and those that follow from the records
-  /// (frames, answers, duration, first pose, answer and localization, coverage).
+  /// (frames, answers, duration, first pose, answer and localization, coverage). Then throws
+  /// std::runtime_error if any file is not complete.
   void finish(RunSummary summary);
 
  private:
@@ -104,11 +109,13 @@ class RunFolder {
   void count_coverage(const PoseEstimate& pose);
   void open();
   void flush();
+  void expect_written() const;
   [[nodiscard]] bool is_part_complete();
   [[nodiscard]] std::filesystem::path part_folder(std::size_t number) const;
   [[nodiscard]] std::array<std::ofstream*, 5> streams();
 
   std::filesystem::path folder_;
+  OutputFolder own_;
   RunParts parts_;
   std::size_t parts_before_ = 0;
   std::optional<Timestamp> first_frame_of_part_;

@@ -10,6 +10,7 @@
 #include "deploy/evaluation/experiment/results.hpp"
 #include "deploy/evaluation/experiment/run.hpp"
 #include "deploy/evaluation/experiment/schedule.hpp"
+#include "shared/config/output_folder.hpp"
 #include "shared/config/progress_line.hpp"
 
 namespace fleetloc {
@@ -54,6 +55,7 @@ ExperimentCounts run_experiment(const Plan& plan,
                                 const Programs& programs,
                                 const ExperimentOptions& options,
                                 const std::stop_token& stop) {
+  const OutputFolder own(options.out);
   fs::create_directories(options.out / "runs");
   const Inputs inputs(plan, programs, options.store);
   const std::vector<Run> runs = runs_of(plan, inputs, programs);

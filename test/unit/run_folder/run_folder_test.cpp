@@ -1,9 +1,8 @@
-#include "robot/run_folder/run_folder.hpp"
-
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 
+#include "robot/run_folder/run_recorder.hpp"
 #include "test/unit/run_folder/written_run.hpp"
 
 namespace fleetloc {
@@ -160,6 +159,23 @@ TEST_F(RunFolderTest, StartsAnewWhereAnEarlierRunWas) {
   EXPECT_EQ(summary().at("frames"), 0);
 }
 
+TEST_F(RunFolderTest, KeepsNoSummaryOfAnEarlierRun) {
+  RunFolder(folder_).finish({});
+  const RunFolder killed(folder_);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "summary.json"));
+}
+
+TEST_F(RunFolderTest, ContinuesTheNumbersOfAnEarlierRunsParts) {
+  std::filesystem::create_directories(folder_ / "part_000041");
+  std::filesystem::create_directories(folder_ / "part_of_mine");
+  RunFolder run(folder_, {.kept = 1});
+  run.begin_part();
+  run.finish({});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "part_000042" / "answers.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "part_000041")) << "one is kept";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "part_of_mine"));
+}
+
 template <typename Action>
 std::string error_of(Action action) {
   try {
@@ -187,6 +203,38 @@ TEST_F(RunFolderTest, NamesASummaryThatCannotBeWritten) {
   RunFolder run(folder_);
   std::filesystem::create_directories(folder_ / "summary.json");
   EXPECT_THAT(error_of([&] { run.finish({}); }), HasSubstr((folder_ / "summary.json").string()));
+}
+
+TEST_F(RunFolderTest, IsOfOneProgramAtATime) {
+  {
+    const RunFolder run(folder_);
+    EXPECT_THAT(error_of([&] { RunFolder second(folder_); }),
+                AllOf(HasSubstr(folder_.string()), HasSubstr("another program")));
+  }
+  EXPECT_EQ(error_of([&] { RunFolder next(folder_); }), "no error");
+}
+
+TEST_F(RunFolderTest, SaysAtOnceThatTheDiskIsFull) {
+  std::filesystem::create_directories(folder_);
+  std::filesystem::create_symlink("/dev/full", folder_ / "diagnostics.csv");
+  RunFolder run(folder_);
+  const auto names_it = AllOf(HasSubstr((folder_ / "diagnostics.csv").string()), HasSubstr("full"));
+  EXPECT_THAT(error_of([&] { run.add_frame(frame(0.0, Quality::kLocalized)); }), names_it);
+  EXPECT_THAT(error_of([&] { run.finish({}); }), names_it);
+  EXPECT_EQ(summary().at("frames"), 1) << "what was written is kept";
+}
+
+TEST_F(RunFolderTest, AFullDiskEndsTheRecordingAndNotTheRobot) {
+  std::filesystem::create_directories(folder_);
+  std::filesystem::create_symlink("/dev/full", folder_ / "odometry.tum");
+  RunRecorder recorder(folder_);
+  const RobotOutput output{
+      .pose = std::nullopt,
+      .frames = {{.stamp = at(0.0), .pose = pose_estimate(0.0, Quality::kLocalized)}},
+      .answers = {},
+      .traffic = {}};
+  for (int i = 0; i < 3; ++i) EXPECT_NO_THROW(recorder.add(output));
+  EXPECT_EQ(recorder.faults().at("unwritten_outputs"), 3);
 }
 
 TEST_F(RunFolderTest, GoesOnInANewPartAfterATimeAndDeletesTheOldest) {
