@@ -52,7 +52,7 @@ while [ $# -gt 0 ]; do
        dataset=$1; shift ;;
   esac
 done
-[[ $rate =~ ^[0-9]+(\.[0-9]+)?$ ]] || refuse "--rate: '$rate' is not a number"
+[[ $rate =~ ^[0-9]+(\.[0-9]+)?$ && $rate =~ [1-9] ]] || refuse "--rate: '$rate' is not a number above 0"
 truth_in=mav0/state_groundtruth_estimate0/data.csv
 if [ -n "$dataset" ]; then
   [ -d "$dataset/mav0" ] || refuse "$dataset/mav0: no such folder"

@@ -1,5 +1,8 @@
 #include "robot/dataset/stereo_index.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "shared/config/delimited_file.hpp"
@@ -9,6 +12,24 @@ namespace fleetloc {
 namespace {
 
 constexpr Duration kPairTolerance = std::chrono::milliseconds(2);
+
+/// Least distance in time of an image from one of the other camera; neither list is empty.
+Duration nearest(const std::vector<ImageEntry>& left, const std::vector<ImageEntry>& right) {
+  Duration least = Duration::max();
+  auto r = right.begin();
+  for (const ImageEntry& one : left) {
+    while (r + 1 != right.end() && r->stamp < one.stamp) ++r;
+    least = std::min(least, std::chrono::abs(one.stamp - r->stamp));
+    if (r != right.begin()) least = std::min(least, std::chrono::abs(one.stamp - (r - 1)->stamp));
+  }
+  return least;
+}
+
+std::string ms_text(Duration duration) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3f ms", 1e3 * to_seconds(duration));
+  return text.data();
+}
 
 }  // namespace
 
@@ -52,6 +73,13 @@ std::vector<StereoEntry> pair_images(const std::vector<ImageEntry>& left,
     if (take_right) pair.right = *r++;
     pair.stamp = pair.left ? pair.left->stamp : pair.right->stamp;
     pairs.push_back(std::move(pair));
+  }
+  const bool has_pair =
+      std::ranges::any_of(pairs, [](const StereoEntry& pair) { return pair.left && pair.right; });
+  if (!has_pair && !left.empty() && !right.empty()) {
+    throw DatasetError(
+        left.front().where + ": no image of this camera has one of the other within " +
+        ms_text(kPairTolerance) + ", the nearest are " + ms_text(nearest(left, right)) + " apart");
   }
   return pairs;
 }

@@ -29,7 +29,8 @@ struct StereoEntry {
 /// increase and for a listed file that does not exist.
 std::vector<ImageEntry> read_image_list(const std::filesystem::path& camera_folder);
 
-/// Pairs images whose stamps differ by 2 ms at most; in the order of time.
+/// Pairs images whose stamps differ by 2 ms at most; in the order of time. Throws DatasetError if
+/// both cameras have images and none of them are a pair.
 std::vector<StereoEntry> pair_images(const std::vector<ImageEntry>& left,
                                      const std::vector<ImageEntry>& right);
 

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "shared/core/jpeg_end.hpp"
 #include "shared/ros2/pixel_encoding.hpp"
 
 namespace fleetloc {
@@ -59,19 +60,13 @@ std::optional<std::uint64_t> jpeg_pixels(File file) {
   return std::nullopt;
 }
 
-/// The decoder fills up what a JPEG lacks. Its end marker never occurs within the picture.
-bool has_end(File file) {
-  constexpr std::array<std::uint8_t, 2> kEnd{0xff, 0xd9};
-  return std::ranges::find_end(file, kEnd).begin() != file.end();
-}
-
 }  // namespace
 
 Ros2Decoded<cv::Mat> decompressed(const std::vector<std::uint8_t>& file) {
   const bool is_jpeg = begins_with(file, kJpeg);
   if (!is_jpeg && !begins_with(file, kPng)) return unexpected(Ros2Refusal::kUnknownEncoding);
   const auto pixels = is_jpeg ? jpeg_pixels(file) : png_pixels(file);
-  if (!pixels || (is_jpeg && !has_end(file))) return unexpected(Ros2Refusal::kDamagedImage);
+  if (!pixels || (is_jpeg && !has_jpeg_end(file))) return unexpected(Ros2Refusal::kDamagedImage);
   if (*pixels == 0) return unexpected(Ros2Refusal::kEmptyImage);
   if (*pixels > kMaxPixels) return unexpected(Ros2Refusal::kTooManyPixels);
   try {

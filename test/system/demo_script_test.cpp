@@ -38,6 +38,7 @@ TEST(DemoScript, RefusesWhatItDoesNotKnowInOneLine) {
       {{"--fast"}, "--fast"},
       {{"--rate"}, "--rate needs a value"},
       {{"--rate", "quick"}, "'quick'"},
+      {{"--rate", "0.0"}, "'0.0' is not a number above 0"},
       {{missing}, missing + "/mav0: no such folder"},
       {{"", "--rate", "1"}, "DATASET is empty"},
       {{"one", "two"}, "one dataset"},

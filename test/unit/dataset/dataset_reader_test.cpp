@@ -119,6 +119,23 @@ TEST_F(Dataset, PairsImagesByStampAndCountsWhatHasNoPartner) {
   EXPECT_EQ(faults_.at("dropped_frames"), 0U);
 }
 
+TEST_F(Dataset, RefusesCamerasThatAreNeverOfOneInstant) {
+  write_all();
+  edit("cam1/data.csv", [](int, const std::string& line) {
+    if (line[0] == '#') return line;
+    return std::to_string(std::stoll(line.substr(0, 19)) - 3'000'000) + line.substr(19);
+  });
+  try {
+    play();
+    FAIL();
+  } catch (const DatasetError& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("cam0/data.csv"),
+                               testing::HasSubstr("within 2.000 ms"),
+                               testing::HasSubstr("3.000 ms apart")));
+  }
+}
+
 TEST_F(Dataset, SurvivesDroppedFramesAndAnImuGapAndCountsThem) {
   write_all();
   const auto drop = [](int number, const std::string& line) {

@@ -63,6 +63,27 @@ TEST(Ros2CompressedImage, ACutJpegIsRefused) {
   }
 }
 
+/// The file with a smaller one in a segment of its own, as cameras have it in Exif.
+File with_thumbnail(const File& file, const File& thumbnail) {
+  const std::size_t length = 2 + thumbnail.size();
+  File whole{0xff, 0xd8, 0xff, 0xe1};
+  whole.push_back(static_cast<std::uint8_t>(length >> 8U));
+  whole.push_back(static_cast<std::uint8_t>(length));
+  whole.insert(whole.end(), thumbnail.begin(), thumbnail.end());
+  whole.insert(whole.end(), file.begin() + 2, file.end());
+  return whole;
+}
+
+TEST(Ros2CompressedImage, TheEndOfAThumbnailIsNotThatOfTheJpeg) {
+  const File thumbnail = file_of(some_image(16, 16).gray, ".jpg");
+  const File file = with_thumbnail(file_of(some_image(64, 64).gray, ".jpg"), thumbnail);
+  EXPECT_EQ(decode_compressed_image(message_with(file)).value().gray.size(), cv::Size(64, 64));
+  for (std::size_t length = 6 + thumbnail.size(); length < file.size(); ++length) {
+    const File cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length));
+    expect_refused(decode_compressed_image(message_with(cut)), "damaged_image");
+  }
+}
+
 TEST(Ros2CompressedImage, ASizeIsRefusedBeforeItIsDecoded) {
   File png = file_of(some_image().gray, ".png");
   png[16] = 0x7f;  // the highest byte of its width
