@@ -184,7 +184,13 @@ void DockerFleet::start_again(const std::string& name) const {
   docker({"start", full(name)});
 }
 
+// On a busy machine the kernel does not always freeze it within the few milliseconds that Docker's
+// runtime waits ("unable to freeze"); it goes on then.
 void DockerFleet::pause(const std::string& name) const {
+  constexpr int kTries = 5;
+  for (int i = 1; i < kTries; ++i) {
+    if (tried({"pause", full(name)}).exit_code == 0) return;
+  }
   docker({"pause", full(name)});
 }
 
