@@ -8,6 +8,7 @@ void EventLog::add(const RobotOutput& output) {
   frames_ += output.frames.size();
   for (const std::string& event : channel_.take_events()) spdlog::info("{}: {}", robot_, event);
   for (const std::string& event : client_.take_events()) spdlog::info("{}: {}", robot_, event);
+  for (const std::string& event : state_.add(output)) spdlog::info("{}: {}", robot_, event);
 }
 
 void EventLog::finish(const RunEnd& end) {
