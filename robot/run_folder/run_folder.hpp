@@ -109,10 +109,9 @@ class RunFolder {
   void count_coverage(const PoseEstimate& pose);
   void open();
   void flush();
-  void expect_written() const;
   [[nodiscard]] bool is_part_complete();
   [[nodiscard]] std::filesystem::path part_folder(std::size_t number) const;
-  [[nodiscard]] std::array<std::ofstream*, 5> streams();
+  [[nodiscard]] std::array<std::ofstream*, 5> streams();  // in the order of their names
 
   std::filesystem::path folder_;
   OutputFolder own_;
