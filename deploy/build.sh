@@ -22,6 +22,12 @@ jobs=$((kilobytes / 2000000 + 1))
 cores=$(nproc)
 [ "$jobs" -le "$cores" ] || jobs=$cores
 
+# Where ccache is installed, a second clone compiles what the first one has not.
+if [ -z "${CMAKE_CXX_COMPILER_LAUNCHER:-}" ] && command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
+export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+
 echo "build: configuring $preset"
 cmake --preset "$preset" -DFLEETLOC_COMPILE_JOBS="$jobs" >"build-$preset.log" 2>&1 || {
   cat "build-$preset.log" >&2
