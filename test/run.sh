@@ -98,9 +98,9 @@ tidy() {
   grep '\.cpp$' "$scratch/sources" >"$scratch/units" || true  # they bring their headers
   echo "test/run.sh: clang-format on $(wc -l <"$scratch/sources") files"
   run xargs -a "$scratch/sources" clang-format --dry-run -Werror || fail "clang-format"
-  run sh deploy/build.sh release fleetloc_idl || fail "the types of idl/, which clang-tidy needs"
+  run sh deploy/build.sh debug fleetloc_idl || fail "the types of idl/, which clang-tidy needs"
   echo "test/run.sh: clang-tidy on $(wc -l <"$scratch/units") files"
-  run xargs -a "$scratch/units" -r -n 1 -P "$(nproc)" clang-tidy -p build/release --quiet ||
+  run xargs -a "$scratch/units" -r -n 1 -P "$(nproc)" clang-tidy -p build/debug --quiet ||
     fail "clang-tidy"
   echo "test/run.sh: clang-format and clang-tidy have nothing to say"
 }

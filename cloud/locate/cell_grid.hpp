@@ -9,6 +9,11 @@
 
 namespace fleetloc {
 
+/// The cell that has a point. @param p  in units of cells
+inline Eigen::Vector3i floored(const Eigen::Vector3d& p) {
+  return p.array().floor().cast<int>();
+}
+
 /// A byte for each cell of a box; most are zero and take no memory: cells are kept in bricks of 8 x
 /// 8 x 8. Cells outside of the box are zero, too.
 class CellGrid {

@@ -25,10 +25,6 @@ Eigen::Vector3d cells_at(const MapPoint& point, const GroundHeights& ground, dou
   return p / cell_m;
 }
 
-Eigen::Vector3i floored(const Eigen::Vector3d& p) {
-  return p.array().floor().cast<int>();
-}
-
 CellGrid values_of(const LaserMap& map,
                    const GroundHeights& ground,
                    const MapPyramid::Config& config) {

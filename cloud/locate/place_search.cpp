@@ -10,10 +10,6 @@
 namespace fleetloc {
 namespace {
 
-Eigen::Vector3i floored(const Eigen::Vector3d& p) {
-  return p.array().floor().cast<int>();
-}
-
 double yaw_of(std::size_t step, std::size_t steps) {
   return 2.0 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
 }

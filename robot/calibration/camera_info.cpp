@@ -5,22 +5,18 @@
 
 #include <Eigen/LU>
 
+#include "robot/calibration/rotation_check.hpp"
+
 namespace fleetloc {
 namespace {
 
 constexpr std::uint32_t kMaxSize = 16384;  // [px]
-constexpr double kRotationTolerance = 1e-3;
-constexpr double kSamePixel = 1e-3;  // of two rectified cameras [px]
+constexpr double kSamePixel = 1e-3;        // of two rectified cameras [px]
 
 using Matrix3RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 Eigen::Matrix3d rotation_of(const CameraInfo& info) {
   return Eigen::Map<const Matrix3RowMajor>(info.R.data());
-}
-
-bool is_rotation(const Eigen::Matrix3d& R) {
-  return (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < kRotationTolerance &&
-         R.determinant() > 0.0;
 }
 
 template <typename Numbers>

@@ -7,13 +7,13 @@
 
 #include <Eigen/LU>
 
+#include "robot/calibration/rotation_check.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;  // calibrations are rounded
-constexpr double kPoseTolerance = 1e-3;      // [rad] and [m], of one pose stated twice
+constexpr double kPoseTolerance = 1e-3;  // [rad] and [m], of one pose stated twice
 
 struct KalibrCamera {
   Camera camera;
@@ -47,10 +47,7 @@ Pose read_pose(ConfigReader& section, const std::string& key) {
   }
   if (!T.allFinite()) section.fail(key, "not all numbers are finite");
   const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
-  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).norm() > kRotationTolerance ||
-      R.determinant() < 0.0) {
-    section.fail(key, "its rotation is not orthonormal");
-  }
+  if (!is_rotation(R)) section.fail(key, "its rotation is not orthonormal");
   if (T.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)) {
     section.fail(key, "its last row is not 0 0 0 1");
   }

@@ -12,7 +12,6 @@ namespace {
 constexpr std::size_t kMaxLocalizers = 256;
 constexpr double kEqualLoad = 0.1;       // differences below it do not matter
 constexpr double kEqualSessions = 1.25;  // as a factor
-constexpr int kMaxDoublings = 16;
 
 }  // namespace
 

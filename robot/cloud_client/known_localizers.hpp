@@ -14,6 +14,9 @@
 
 namespace fleetloc {
 
+/// How often a time that doubles with each timeout does so at most.
+inline constexpr int kMaxDoublings = 16;
+
 /// Why the status of a localizer is ignored.
 enum class StatusRefusal {
   kOutdated,  ///< of an earlier incarnation

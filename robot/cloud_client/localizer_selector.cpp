@@ -9,7 +9,6 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kMaxDoublings = 16;
 constexpr double kFalseAlarms = 0.15;  // share of the pauses that loss alone makes and that count
 constexpr double kNoLoss = 0.01;
 constexpr double kWorstLoss = 0.9;            // beyond, timeouts do not grow
@@ -18,7 +17,7 @@ constexpr double kRefusedAfterSeconds = 0.5;  // it may have become full by this
 constexpr double kPatienceSeconds = 15.0;     // with a successor that finds no pose, without need
 constexpr int kFewerRobots = 2;
 constexpr double kFewerRobotsFactor = 1.25;
-constexpr double kEqualLoad = 0.05;  // a localizer with that much more is no better place
+constexpr double kNoLighterLoad = 0.05;  // a localizer with that much more is no better place
 
 }  // namespace
 
@@ -211,7 +210,7 @@ bool LocalizerSelector::is_crowded_for_long(const Localizer& current,
   const int here = current.status.sessions;
   const int there = other.status.sessions;
   const bool would_gain = here - there >= kFewerRobots && here > kFewerRobotsFactor * (there + 1) &&
-                          other.status.load <= current.status.load + kEqualLoad;
+                          other.status.load <= current.status.load + kNoLighterLoad;
   if (!would_gain) {
     crowded_since_.reset();
     return false;

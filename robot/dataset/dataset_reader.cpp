@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "robot/calibration/euroc_rig.hpp"
+#include "robot/dataset/csv_file.hpp"
 #include "robot/dataset/stereo_images.hpp"
 #include "robot/dataset/track_files.hpp"
 
@@ -16,14 +17,6 @@ std::filesystem::path mav0_of(const std::filesystem::path& folder) {
   if (std::filesystem::is_directory(folder / "mav0")) return folder / "mav0";
   if (std::filesystem::is_directory(folder / "cam0")) return folder;
   throw DatasetError(folder.string() + ": not a dataset in the EuRoC layout, there is no mav0");
-}
-
-DelimitedFile open_csv(const std::filesystem::path& file) {
-  try {
-    return {file, ','};
-  } catch (const TextFileError& error) {
-    throw DatasetError(error.what());
-  }
 }
 
 /// How many regular measurements are missing between two stamps.

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "shared/dataset/dataset_error.hpp"
+#include "robot/dataset/csv_file.hpp"
 
 namespace fleetloc {
 namespace {
@@ -18,14 +18,6 @@ constexpr const char* kFrames = "data.csv";
 constexpr const char* kObservations = "observations.csv";
 constexpr double kMaxObservations = 10'000.0;  // of a frame
 constexpr double kMaxLandmarks = std::numeric_limits<std::uint32_t>::max();
-
-DelimitedFile open_csv(const std::filesystem::path& file) {
-  try {
-    return {file, ','};
-  } catch (const TextFileError& error) {
-    throw DatasetError(error.what());
-  }
-}
 
 std::size_t whole_number(const DelimitedFile& csv, std::size_t column, double max) {
   const double number = csv.number(column);

@@ -11,7 +11,7 @@ namespace {
 
 using Say = std::function<void(const std::string&)>;
 
-constexpr std::chrono::milliseconds kPollInterval(100);
+constexpr std::chrono::milliseconds kCameraInfoPollInterval(100);
 
 /// CameraInfo of one camera.
 class InfoTopic {
@@ -72,7 +72,7 @@ std::optional<SensorRig> calibration_from_topics(const SensorsConfig& config,
   Complaints complaints;
   while (!stop.stop_requested()) {
     if (waiting) waiting();
-    const auto sample = reader.take(stop, kPollInterval);
+    const auto sample = reader.take(stop, kCameraInfoPollInterval);
     if (sample) topics.at(sample->topic).add(*sample, say);
     for (InfoTopic& topic : topics) topic.check(boot_time(), say);
     if (!sample || !topics[0].info() || !topics[1].info()) continue;

@@ -10,7 +10,8 @@ namespace fleetloc {
 namespace {
 
 constexpr int kMaxRadius = 10;
-constexpr float kMinTexture = 100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
+constexpr float kMinPatchTexture =
+    100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
 constexpr std::size_t kMaxPixels = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
 
 /// Bilinear; the pixel and its next ones must lie in the image.
@@ -114,7 +115,7 @@ std::optional<SlantedMatch> match_slanted(const cv::Mat& from,
   const int radius = config.radius_px;
   if (!is_inside(from, point, static_cast<float>(radius + 1))) return std::nullopt;
   const Template patch(from, point, direction, radius);
-  if (patch.H(0, 0) < kMinTexture) return std::nullopt;
+  if (patch.H(0, 0) < kMinPatchTexture) return std::nullopt;
   const auto slope_weight = static_cast<float>(std::pow(config.gray_sigma / slope_sigma, 2));
   Eigen::Matrix4f H = patch.H;
   H(1, 1) += slope_weight;

@@ -20,7 +20,7 @@ bool is_active(const WindowGraph& graph, LandmarkId id) {
   return found != graph.landmarks.end() && found->second.is_active();
 }
 
-const PoseParameters* first_estimate_of(const GraphKeyframe& keyframe) {
+const PoseParameters* first_pose_of(const GraphKeyframe& keyframe) {
   return keyframe.first_pose ? &*keyframe.first_pose : nullptr;
 }
 
@@ -83,15 +83,15 @@ std::vector<GraphFactor> correction_factors(WindowGraph& graph) {
   for (const auto& [id, landmark] : graph.corrections.landmarks) {
     GraphKeyframe& anchor = *keyframe_of(graph, landmark.anchor);
     factors.push_back(
-        {std::make_unique<LandmarkCorrectionFactor>(landmark.correction, first_estimate_of(anchor)),
+        {std::make_unique<LandmarkCorrectionFactor>(landmark.correction, first_pose_of(anchor)),
          {anchor.pose.data(), graph.landmarks.at(id).p_odom.data()}});
   }
   for (const auto& [pair, relative] : graph.corrections.relative_poses) {
     GraphKeyframe& from = *keyframe_of(graph, pair.first);
     GraphKeyframe& to = *keyframe_of(graph, pair.second);
-    factors.push_back({std::make_unique<PoseCorrectionFactor>(
-                           relative, first_estimate_of(from), first_estimate_of(to)),
-                       {from.pose.data(), to.pose.data()}});
+    factors.push_back(
+        {std::make_unique<PoseCorrectionFactor>(relative, first_pose_of(from), first_pose_of(to)),
+         {from.pose.data(), to.pose.data()}});
   }
   return factors;
 }

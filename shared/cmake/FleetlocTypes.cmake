@@ -26,6 +26,7 @@ function(fleetloc_types folder)
   string(REPLACE "/" "_" name ${folder})
   add_library(fleetloc_${name} STATIC ${sources})
   add_library(fleetloc::${name} ALIAS fleetloc_${name})
+  set_target_properties(fleetloc_${name} PROPERTIES UNITY_BUILD OFF)  # not written for it
   target_include_directories(fleetloc_${name} SYSTEM PUBLIC ${include} ${generated})
   target_compile_features(fleetloc_${name} PUBLIC cxx_std_20)
   target_link_libraries(fleetloc_${name} PUBLIC fastrtps fastcdr)

@@ -1,11 +1,8 @@
 #include "shared/coding/range_decoder.hpp"
 
+#include "shared/coding/range.hpp"
+
 namespace fleetloc {
-namespace {
-
-constexpr std::uint32_t kMinRange = 1U << 24;
-
-}  // namespace
 
 RangeDecoder::RangeDecoder(std::span<const std::uint8_t> bytes) : bytes_(bytes) {
   for (int i = 0; i < 4; ++i) above_low_ = (above_low_ << 8) | next_byte();

@@ -3,12 +3,9 @@
 #include <cstddef>
 #include <utility>
 
+#include "shared/coding/range.hpp"
+
 namespace fleetloc {
-namespace {
-
-constexpr std::uint32_t kMinRange = 1U << 24;
-
-}  // namespace
 
 bool RangeEncoder::code(BitModel& model, bool bit) {
   narrow(bit, (range_ >> BitModel::kProbabilityBits) * model.probability_of_zero());

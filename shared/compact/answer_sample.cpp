@@ -28,10 +28,9 @@ static_assert(static_cast<int>(LocalizationStatus::kPoorFit) == wire::POOR_FIT);
 static_assert(static_cast<int>(LocalizationStatus::kDegenerate) == wire::DEGENERATE);
 static_assert(static_cast<int>(LocalizationStatus::kUnconfirmed) == wire::UNCONFIRMED);
 
-constexpr std::size_t kMaxBlock = 1000;
+constexpr std::size_t kMaxAnswerBlock = 1000;
 constexpr std::uint32_t kLongest_ms = 3'600'000;
 constexpr double kUnitsPerQuaternion = 1 << 30;
-constexpr double kUnitNormTolerance = 1e-6;
 
 CompactRoot<6> information_root(const wire::LocalizationResult& sample) {
   return {.scales = sample.information_scale(), .entries = sample.information_root()};
@@ -48,7 +47,7 @@ Validity check_sample(const wire::LocalizationResult& sample) {
   if (sample.window_ms() > kLongest_ms || sample.holding_time_ms() > kLongest_ms) {
     return unexpected(Malformed::kOutOfRange);
   }
-  if (sample.corrections().size() > kMaxBlock) return unexpected(Malformed::kTooManyItems);
+  if (sample.corrections().size() > kMaxAnswerBlock) return unexpected(Malformed::kTooManyItems);
   if (sample.status() != wire::LOCALIZED) return {};
   for (const double value : sample.p_map()) {
     if (const Validity valid = check(value, -kMaxCoordinate, kMaxCoordinate); !valid) return valid;
@@ -126,7 +125,7 @@ Bytes encode(const Answer& answer, std::size_t max_payload_bytes) {
   if (!answer.correction) return bytes;
   const std::size_t envelope = bytes.size();
   const std::size_t room =
-      max_payload_bytes > envelope ? std::min(max_payload_bytes - envelope, kMaxBlock) : 0;
+      max_payload_bytes > envelope ? std::min(max_payload_bytes - envelope, kMaxAnswerBlock) : 0;
   Correction correction = *answer.correction;
   auto block = encode_corrections(correction);
   constexpr std::size_t kBytesPerItem = 16;  // about; several are dropped before the next look

@@ -12,13 +12,13 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxBlock = 1200;
+constexpr std::size_t kMaxSubmapBlock = 1200;
 constexpr std::uint16_t kLongAgo_ms = 65'535;
 constexpr double kLossUnits = 255.0;
-constexpr double kUnitNormTolerance = 1e-3;
+constexpr double kGravityNormTolerance = 1e-3;
 
 Validity check_sample(const wire::CompactSubmap& sample) {
-  if (sample.block().size() > kMaxBlock) return unexpected(Malformed::kTooManyItems);
+  if (sample.block().size() > kMaxSubmapBlock) return unexpected(Malformed::kTooManyItems);
   if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   for (const float value : sample.p_odom()) {
     if (const Validity valid = check(double{value}, -kMaxCoordinate, kMaxCoordinate); !valid) {
@@ -29,7 +29,7 @@ Validity check_sample(const wire::CompactSubmap& sample) {
   for (const std::int16_t value : sample.rotation()) {
     squares += std::pow(value / NewestPose::kUnitsPerQuaternion, 2);
   }
-  if (std::abs(std::sqrt(squares) - 1.0) > kUnitNormTolerance) {
+  if (std::abs(std::sqrt(squares) - 1.0) > kGravityNormTolerance) {
     return unexpected(Malformed::kNotARotation);
   }
   return {};

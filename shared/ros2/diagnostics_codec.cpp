@@ -11,7 +11,7 @@ namespace {
 using diagnostic_msgs::msg::dds_::DiagnosticStatus_;
 using diagnostic_msgs::msg::dds_::KeyValue_;
 
-DiagnosticStatus_ to_ros2(const DiagnosticStatus& status) {
+DiagnosticStatus_ status_to_ros2(const DiagnosticStatus& status) {
   DiagnosticStatus_ message;
   message.level(static_cast<std::uint8_t>(status.level));
   message.name(status.component);
@@ -30,9 +30,9 @@ DiagnosticStatus_ to_ros2(const DiagnosticStatus& status) {
 
 Bytes encode(const DiagnosticsMessage& message) {
   diagnostic_msgs::msg::dds_::DiagnosticArray_ array;
-  array.header(fleetloc::to_ros2(message.header));
+  array.header(to_ros2(message.header));
   for (const DiagnosticStatus& status : message.statuses) {
-    array.status().push_back(to_ros2(status));
+    array.status().push_back(status_to_ros2(status));
   }
   return to_cdr(array);
 }

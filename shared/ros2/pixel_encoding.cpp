@@ -36,7 +36,7 @@ const PixelEncoding* encoding_named(std::string_view name) {
   return nullptr;
 }
 
-Ros2Validity check(const RawImage& image, const PixelEncoding& encoding) {
+Ros2Validity check_image(const RawImage& image, const PixelEncoding& encoding) {
   const std::uint64_t width = image.width_px;
   const std::uint64_t height = image.height_px;
   if (width == 0 || height == 0) return unexpected(Ros2Refusal::kEmptyImage);
@@ -69,7 +69,8 @@ cv::Mat upper_bytes(const RawImage& image) {
 Ros2Decoded<cv::Mat> to_gray(const RawImage& image, std::string_view encoding) {
   const PixelEncoding* known = encoding_named(encoding);
   if (known == nullptr) return unexpected(Ros2Refusal::kUnknownEncoding);
-  if (const Ros2Validity valid = check(image, *known); !valid) return unexpected(valid.error());
+  if (const Ros2Validity valid = check_image(image, *known); !valid)
+    return unexpected(valid.error());
   try {
     if (known->type == CV_16UC1) return upper_bytes(image);
     // Only read: what OpenCV takes is not const.

@@ -6,11 +6,6 @@
 #include "shared/transport/instance_key.hpp"
 
 namespace fleetloc {
-namespace {
-
-constexpr std::size_t kEncapsulationBytes = 4;
-
-}  // namespace
 
 BytesType::BytesType(const TopicDataType& generated) {
   setName(generated.getName());

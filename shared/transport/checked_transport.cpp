@@ -7,6 +7,7 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPTransportDescriptor.h>
 
+
 namespace fleetloc {
 
 namespace fdr = eprosima::fastdds::rtps;
@@ -14,10 +15,10 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-struct Descriptor final : public fdr::ChainingTransportDescriptor {
-  Descriptor(std::shared_ptr<TransportDescriptor> udp,
-             const RtpsLimits& its_limits,
-             std::shared_ptr<MalformedDatagrams> its_refused)
+struct CheckedDescriptor final : public fdr::ChainingTransportDescriptor {
+  CheckedDescriptor(std::shared_ptr<TransportDescriptor> udp,
+                    const RtpsLimits& its_limits,
+                    std::shared_ptr<MalformedDatagrams> its_refused)
       : ChainingTransportDescriptor(std::move(udp)),
         limits(its_limits),
         refused(std::move(its_refused)) {}
@@ -28,9 +29,9 @@ struct Descriptor final : public fdr::ChainingTransportDescriptor {
   std::shared_ptr<MalformedDatagrams> refused;
 };
 
-class Transport final : public fdr::ChainingTransport {
+class CheckedTransport final : public fdr::ChainingTransport {
  public:
-  explicit Transport(const Descriptor& descriptor)
+  explicit CheckedTransport(const CheckedDescriptor& descriptor)
       : ChainingTransport(descriptor), descriptor_(descriptor) {}
 
   fdr::TransportDescriptorInterface* get_configuration() override { return &descriptor_; }
@@ -55,11 +56,11 @@ class Transport final : public fdr::ChainingTransport {
   }
 
  private:
-  Descriptor descriptor_;
+  CheckedDescriptor descriptor_;
 };
 
-fdr::TransportInterface* Descriptor::create_transport() const {
-  return new Transport(*this);
+fdr::TransportInterface* CheckedDescriptor::create_transport() const {
+  return new CheckedTransport(*this);
 }
 
 }  // namespace
@@ -69,7 +70,7 @@ std::shared_ptr<TransportDescriptor> checked_transport(
     const RtpsLimits& limits,
     std::shared_ptr<MalformedDatagrams> refused) {
   if (!std::dynamic_pointer_cast<fdr::UDPTransportDescriptor>(udp)) return nullptr;
-  return std::make_shared<Descriptor>(udp, limits, std::move(refused));
+  return std::make_shared<CheckedDescriptor>(udp, limits, std::move(refused));
 }
 
 }  // namespace fleetloc

@@ -11,9 +11,8 @@ namespace fleetloc {
 namespace {
 
 constexpr std::size_t kMaxKey = 32;  // characters
-constexpr std::size_t kEncapsulationBytes = 4;
 constexpr std::size_t kLengthBytes = 4;
-constexpr std::uint8_t kLittleEndian = 1;
+constexpr std::uint8_t kCdrLittleEndian = 1;
 constexpr std::uint8_t kParameterList = 2;  // not ours, but Fast CDR reads on
 
 // Of a string, with its terminating zero.
@@ -40,11 +39,11 @@ std::string_view name(KeyDefect defect) {
 expected<std::string_view, KeyDefect> key_of(std::span<const std::uint8_t> sample) {
   if (sample.size() < kEncapsulationBytes + kLengthBytes) return unexpected(KeyDefect::kCutShort);
   const std::uint8_t kind = sample[1];
-  if (sample[0] != 0 || (kind & ~(kLittleEndian | kParameterList)) != 0) {
+  if (sample[0] != 0 || (kind & ~(kCdrLittleEndian | kParameterList)) != 0) {
     return unexpected(KeyDefect::kEncapsulation);
   }
   const auto field = sample.subspan(kEncapsulationBytes);
-  const std::size_t length = length_at(field, (kind & kLittleEndian) != 0);
+  const std::size_t length = length_at(field, (kind & kCdrLittleEndian) != 0);
   const auto characters = field.subspan(kLengthBytes);
   if (length > characters.size()) return unexpected(KeyDefect::kCutShort);
   const auto kept = characters.first(std::min(length, kMaxKey));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -9,6 +10,9 @@
 #include "shared/core/expected.hpp"
 
 namespace fleetloc {
+
+/// In front of every serialized sample.
+inline constexpr std::size_t kEncapsulationBytes = 4;
 
 /// Why the key of a sample cannot be read.
 enum class KeyDefect {

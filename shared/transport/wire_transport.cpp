@@ -47,9 +47,9 @@ bool transmit(rtps::SenderResource& socket,
 }
 
 /// Keeps the settings of the transport that it wraps.
-class Descriptor final : public fdr::ChainingTransportDescriptor {
+class WireDescriptor final : public fdr::ChainingTransportDescriptor {
  public:
-  Descriptor(std::shared_ptr<TransportDescriptor> udp, std::shared_ptr<WireLink> link)
+  WireDescriptor(std::shared_ptr<TransportDescriptor> udp, std::shared_ptr<WireLink> link)
       : ChainingTransportDescriptor(std::move(udp)), link_(std::move(link)) {}
 
   [[nodiscard]] fdr::TransportInterface* create_transport() const override;
@@ -67,18 +67,18 @@ class Descriptor final : public fdr::ChainingTransportDescriptor {
 /// Calls what observes, selects or delays datagrams, in the order of shared/README.md, "How a
 /// datagram passes". Fast DDS uses one from several threads: those of writers and of events send,
 /// one a socket receives.
-class Transport final : public fdr::ChainingTransport {
+class WireTransport final : public fdr::ChainingTransport {
  public:
-  explicit Transport(const Descriptor& descriptor)
+  explicit WireTransport(const WireDescriptor& descriptor)
       : ChainingTransport(descriptor),
         descriptor_(descriptor),
         has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
         discovery_(link_->role, link_->max_discovery_bytes_per_s),
         repetition_(link_->max_discovery_copies) {}
-  ~Transport() override { stop(); }
-  Transport(const Transport&) = delete;
-  Transport& operator=(const Transport&) = delete;
+  ~WireTransport() override { stop(); }
+  WireTransport(const WireTransport&) = delete;
+  WireTransport& operator=(const WireTransport&) = delete;
 
   // The last moment at which what is delayed may still be used: the participant deletes its
   // sockets and receivers after it. What is still on its way is lost.
@@ -166,7 +166,7 @@ class Transport final : public fdr::ChainingTransport {
     return has_whitelist_ || socket == first_socket_;
   }
 
-  Descriptor descriptor_;
+  WireDescriptor descriptor_;
   bool has_whitelist_;
   std::shared_ptr<WireLink> link_;
   RouteCache routes_;  // with each participant anew, so after each change of addresses
@@ -182,10 +182,10 @@ class Transport final : public fdr::ChainingTransport {
 
 // Fast DDS sends to every address of a participant. A datagram to an unreachable network never
 // leaves this computer, nor one that would arrive twice.
-fdr::LocatorList Transport::useful(RtpsBytes datagram,
-                                   rtps::LocatorsIterator& begin,
-                                   const rtps::LocatorsIterator& end,
-                                   Clock::time_point now) {
+fdr::LocatorList WireTransport::useful(RtpsBytes datagram,
+                                       rtps::LocatorsIterator& begin,
+                                       const rtps::LocatorsIterator& end,
+                                       Clock::time_point now) {
   fdr::LocatorList useful;
   std::vector<rtps::Locator_t> routed;  // the iterators are valid in this call only
   std::vector<PeerAddressFilter::Locator> locators;
@@ -206,12 +206,12 @@ fdr::LocatorList Transport::useful(RtpsBytes datagram,
 }
 
 // NOLINTNEXTLINE(readability-function-size): the parameters are those of the library's interface
-bool Transport::send(rtps::SenderResource* socket,
-                     const rtps::octet* buffer,
-                     std::uint32_t size,
-                     rtps::LocatorsIterator* begin,
-                     rtps::LocatorsIterator* end,
-                     const std::chrono::steady_clock::time_point& timeout) {
+bool WireTransport::send(rtps::SenderResource* socket,
+                         const rtps::octet* buffer,
+                         std::uint32_t size,
+                         rtps::LocatorsIterator* begin,
+                         rtps::LocatorsIterator* end,
+                         const std::chrono::steady_clock::time_point& timeout) {
   const RtpsBytes datagram = without_statistics({buffer, size});
   const Clock::time_point now = Clock::now();
   rtps::SenderResource* none = nullptr;  // yet; they are called in their order
@@ -224,10 +224,10 @@ bool Transport::send(rtps::SenderResource* socket,
 }
 
 // Discovery is repeated where it is lost, and waits where the profile limits it.
-bool Transport::send_as_often_as_needed(rtps::SenderResource* socket,
-                                        RtpsBytes datagram,
-                                        const fdr::LocatorList& destinations,
-                                        Clock::time_point timeout) {
+bool WireTransport::send_as_often_as_needed(rtps::SenderResource* socket,
+                                            RtpsBytes datagram,
+                                            const fdr::LocatorList& destinations,
+                                            Clock::time_point timeout) {
   if (!discovery_.limits(datagram)) {
     send_copies(socket, datagram, destinations, Clock::now());
     return pass_on(socket, datagram, destinations, timeout);
@@ -240,9 +240,9 @@ bool Transport::send_as_often_as_needed(rtps::SenderResource* socket,
   return true;
 }
 
-std::function<void()> Transport::passed_on(rtps::SenderResource* socket,
-                                           RtpsBytes datagram,
-                                           const rtps::Locator_t& to) {
+std::function<void()> WireTransport::passed_on(rtps::SenderResource* socket,
+                                               RtpsBytes datagram,
+                                               const rtps::Locator_t& to) {
   return [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
     fdr::LocatorList destination;
     destination.push_back(to);
@@ -250,10 +250,10 @@ std::function<void()> Transport::passed_on(rtps::SenderResource* socket,
   };
 }
 
-void Transport::send_copies(rtps::SenderResource* socket,
-                            RtpsBytes datagram,
-                            const fdr::LocatorList& destinations,
-                            Clock::time_point now) {
+void WireTransport::send_copies(rtps::SenderResource* socket,
+                                RtpsBytes datagram,
+                                const fdr::LocatorList& destinations,
+                                Clock::time_point now) {
   if (!strangers_.is_known()) return;           // nobody would understand it
   if (participant_sample_in(datagram)) return;  // as often as the profile says
   const auto discovery = DiscoveryDatagram::read(datagram);
@@ -268,10 +268,10 @@ void Transport::send_copies(rtps::SenderResource* socket,
   }
 }
 
-bool Transport::pass_on(rtps::SenderResource* socket,
-                        RtpsBytes datagram,
-                        const fdr::LocatorList& destinations,
-                        Clock::time_point timeout) {
+bool WireTransport::pass_on(rtps::SenderResource* socket,
+                            RtpsBytes datagram,
+                            const fdr::LocatorList& destinations,
+                            Clock::time_point timeout) {
   if (link_->start.is_closed()) {
     const std::vector copy(datagram.begin(), datagram.end());
     link_->start.hold([this, socket, copy, destinations] {
@@ -282,10 +282,10 @@ bool Transport::pass_on(rtps::SenderResource* socket,
   return transmit_or_emulate(socket, datagram, destinations, timeout);
 }
 
-bool Transport::transmit_or_emulate(rtps::SenderResource* socket,
-                                    RtpsBytes datagram,
-                                    const fdr::LocatorList& destinations,
-                                    Clock::time_point timeout) {
+bool WireTransport::transmit_or_emulate(rtps::SenderResource* socket,
+                                        RtpsBytes datagram,
+                                        const fdr::LocatorList& destinations,
+                                        Clock::time_point timeout) {
   const auto bytes = static_cast<std::uint32_t>(datagram.size());
   if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
   if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
@@ -298,10 +298,10 @@ bool Transport::transmit_or_emulate(rtps::SenderResource* socket,
   return true;
 }
 
-void Transport::send_later(rtps::SenderResource* socket,
-                           RtpsBytes datagram,
-                           const rtps::Locator_t& to,
-                           Clock::time_point due) {
+void WireTransport::send_later(rtps::SenderResource* socket,
+                               RtpsBytes datagram,
+                               const rtps::Locator_t& to,
+                               Clock::time_point due) {
   delay_line_.at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
     fdr::LocatorList destination;
     destination.push_back(to);
@@ -310,7 +310,7 @@ void Transport::send_later(rtps::SenderResource* socket,
 }
 
 // Called by Fast DDS with the addresses of each participant, again whenever they change.
-void Transport::select_locators(rtps::LocatorSelector& selector) const {
+void WireTransport::select_locators(rtps::LocatorSelector& selector) const {
   ChainingTransport::select_locators(selector);
   const Clock::time_point now = Clock::now();
   for (const rtps::LocatorSelectorEntry* entry : selector.transport_starts()) {
@@ -323,11 +323,11 @@ void Transport::select_locators(rtps::LocatorSelector& selector) const {
   }
 }
 
-void Transport::receive(fdr::TransportReceiverInterface* receiver,
-                        const rtps::octet* buffer,
-                        std::uint32_t size,
-                        const rtps::Locator_t& local,
-                        const rtps::Locator_t& remote) {
+void WireTransport::receive(fdr::TransportReceiverInterface* receiver,
+                            const rtps::octet* buffer,
+                            std::uint32_t size,
+                            const rtps::Locator_t& local,
+                            const rtps::Locator_t& remote) {
   const RtpsBytes datagram(buffer, size);
   const auto checked = check_rtps(datagram);
   if (!checked) return link_->malformed.add(checked.error());
@@ -344,10 +344,10 @@ void Transport::receive(fdr::TransportReceiverInterface* receiver,
   }
 }
 
-void Transport::deliver(fdr::TransportReceiverInterface& receiver,
-                        RtpsBytes datagram,
-                        const rtps::Locator_t& local,
-                        const rtps::Locator_t& remote) {
+void WireTransport::deliver(fdr::TransportReceiverInterface& receiver,
+                            RtpsBytes datagram,
+                            const rtps::Locator_t& local,
+                            const rtps::Locator_t& remote) {
   const Clock::time_point now = Clock::now();
   const auto size = static_cast<std::uint32_t>(datagram.size());
   link_->versions.observe(datagram);
@@ -361,7 +361,7 @@ void Transport::deliver(fdr::TransportReceiverInterface& receiver,
   receiver.OnDataReceived(recounted ? recounted->data() : datagram.data(), size, local, remote);
 }
 
-void Transport::announce_to_strangers(RtpsBytes datagram, Clock::time_point now) {
+void WireTransport::announce_to_strangers(RtpsBytes datagram, Clock::time_point now) {
   const auto own = own_.prefix();
   if (!own) return;
   if (const auto pause = strangers_.heard(datagram, *own, now)) {
@@ -369,7 +369,7 @@ void Transport::announce_to_strangers(RtpsBytes datagram, Clock::time_point now)
   }
 }
 
-void Transport::announce_again(const GuidPrefix& to, Clock::time_point due) {
+void WireTransport::announce_again(const GuidPrefix& to, Clock::time_point due) {
   delay_line_.at(due, [this, to, due] {
     const auto pause = strangers_.again(to);
     if (!pause) return;
@@ -381,8 +381,8 @@ void Transport::announce_again(const GuidPrefix& to, Clock::time_point due) {
   });
 }
 
-fdr::TransportInterface* Descriptor::create_transport() const {
-  return new Transport(*this);
+fdr::TransportInterface* WireDescriptor::create_transport() const {
+  return new WireTransport(*this);
 }
 
 }  // namespace
@@ -390,7 +390,7 @@ fdr::TransportInterface* Descriptor::create_transport() const {
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
                                                     std::shared_ptr<WireLink> link) {
   if (!std::dynamic_pointer_cast<fdr::UDPTransportDescriptor>(udp)) return nullptr;
-  return std::make_shared<Descriptor>(udp, std::move(link));
+  return std::make_shared<WireDescriptor>(udp, std::move(link));
 }
 
 }  // namespace fleetloc

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kFamily = "fleetloc";
 constexpr std::string_view kRobot = "/robot";
-constexpr std::size_t kPrefix = GuidPrefix{}.size();
+constexpr std::size_t kPrefixBytes = GuidPrefix{}.size();
 constexpr std::size_t kMaxSeen = 16;
 // Parameters (DDS Interoperability Wire Protocol 2.2, chapter 9.6.2.2.2).
 constexpr std::uint16_t kSentinel = 0x0001;
@@ -51,7 +51,7 @@ Announcement read_announcement(RtpsBytes parameters, bool is_little_endian) {
     const RtpsBytes value = fields.skip(fields.u16());
     if (id == kSentinel) break;
     if (id == kParticipantGuid)
-      announced.participant = value.first(std::min(value.size(), kPrefix));
+      announced.participant = value.first(std::min(value.size(), kPrefixBytes));
     if (id == kEntityName) announced.name = counted(value, is_little_endian);
     if (id == kUserData) announced.user_data = counted(value, is_little_endian);
   }

@@ -11,7 +11,6 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kUnitNormTolerance = 1e-6;
 constexpr double kLargestRoot = 1e9;  // of an information: 1 nrad, 1 nm
 constexpr double kSymmetryTolerance = 1e-6;
 constexpr double kNegativeEigenvalueTolerance = 1e-9;

@@ -17,6 +17,10 @@ namespace fleetloc {
 
 /// Larger coordinates are rejected [m]; geocentric ones still fit.
 inline constexpr double kMaxCoordinate = 1e8;
+/// How far the norm of a rotation's quaternion may be from one.
+inline constexpr double kUnitNormTolerance = 1e-6;
+/// Of a round trip, which is never negative.
+inline constexpr Duration kNotMeasured{-1};
 
 wire::Vector3 to_wire(const Eigen::Vector3d& vector);
 wire::Pose to_wire(const Pose& T);

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kMaxRate = 1e9;  // [bytes/s]
 constexpr double kMaxSilence_s = 1e9;
-constexpr Duration kNotMeasured{-1};
 
 Validity check_sample(const wire::ServedRobot& sample) {
   if (const Validity valid = check(sample.quality()); !valid) return valid;

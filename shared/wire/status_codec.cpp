@@ -10,7 +10,6 @@ namespace fleetloc {
 namespace {
 
 constexpr std::uint32_t kMaxSessions = 1'000'000;
-constexpr Duration kNotMeasured{-1};
 
 Validity check_sample(const wire::LocalizerStatus& sample) {
   if (sample.sessions() > kMaxSessions) return unexpected(Malformed::kOutOfRange);

@@ -20,7 +20,6 @@ constexpr std::size_t kMaxEdges = 64;
 constexpr std::size_t kMaxLandmarks = 8192;
 constexpr std::size_t kMaxObservations = 16384;
 
-constexpr double kUnitNormTolerance = 1e-6;
 constexpr double kLargestTilt_rad = 3.15;  // pi: not measured
 constexpr double kFarthestLandmark_m = 1e6;
 

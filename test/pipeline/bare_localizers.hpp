@@ -12,25 +12,22 @@
 #include "shared/wire/status_codec.hpp"
 #include "shared/wire/submap_codec.hpp"
 #include "test/answer_bytes.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 
-inline Timestamp at(int ms) {
-  return Timestamp{std::chrono::milliseconds(ms)};
-}
-
-inline Submap submap_of(std::uint32_t keyframe) {
+inline Submap bare_submap(std::uint32_t keyframe) {
   Submap submap;
   submap.keyframes.push_back({.id = KeyframeId{keyframe},
                               .revision = Revision{1},
-                              .stamp = at(1),
+                              .stamp = at_ms(1),
                               .T_odom_body = {},
                               .tilt_sigma = 0.01,
                               .observations = {}});
   return submap;
 }
 
-inline RobotSession some_session() {
+inline RobotSession bare_session() {
   RobotSession session;
   session.robot = "robot";
   session.session = SessionNumber{1};
@@ -52,7 +49,7 @@ class CloudClientTest : public testing::Test {
                                      .sessions = 0,
                                      .load = load,
                                      .accepting = accepting})},
-             at(ms));
+             at_ms(ms));
   }
 
   static void drain(Channel& end, const std::string& name, int ms) {
@@ -60,7 +57,7 @@ class CloudClientTest : public testing::Test {
              {Topic::kLocalizerStatus,
               encode(LocalizerStatus{
                   .localizer = name, .incarnation = Incarnation{1}, .draining = true})},
-             at(ms));
+             at_ms(ms));
   }
 
   static LocalizationResult answer(const std::string& localizer, std::uint32_t keyframe) {
@@ -72,7 +69,7 @@ class CloudClientTest : public testing::Test {
     answer.status = LocalizationStatus::kTooFewMatches;
     answer.keyframe = KeyframeId{keyframe};
     answer.revision = Revision{1};
-    answer.stamp = at(1);
+    answer.stamp = at_ms(1);
     return answer;
   }
 
@@ -95,7 +92,7 @@ class CloudClientTest : public testing::Test {
     localized.session = correction.session;
     localized.incarnation = correction.incarnation;
     idle_->send(
-        "robot", {Topic::kLocalization, encode(Answer{localized, correction}, 1200)}, at(ms));
+        "robot", {Topic::kLocalization, encode(Answer{localized, correction}, 1200)}, at_ms(ms));
   }
 
   static int count(const std::vector<Message>& messages, Topic topic) {

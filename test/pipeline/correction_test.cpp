@@ -21,7 +21,7 @@ LocalizerPool pool_in_the_room() {
 }
 
 // The newest keyframe with its predecessor, since an edge needs both in the full encoding.
-Submap submap_of(const SimulatedSession& robot, int keyframe) {
+Submap sent_submap(const SimulatedSession& robot, int keyframe) {
   Submap submap = robot.submap(keyframe);
   submap.robot = "robot";
   submap.incarnation = Incarnation{3};
@@ -49,7 +49,7 @@ TEST(Corrections, GoOutWithEachLocalizedAnswer) {
   int corrected = 0;
   for (int i = 0; i < 14; ++i) {
     const Timestamp now{milliseconds(2000 * i)};
-    pool.receive({Topic::kSubmap, encode(submap_of(robot, i))}, now);
+    pool.receive({Topic::kSubmap, encode(sent_submap(robot, i))}, now);
     auto job = pool.take_job(now);
     ASSERT_TRUE(job);
     LocalizationResult answer = LocalizerPool::run(*job);
@@ -92,7 +92,7 @@ TEST(Corrections, ReachTheRobotOverTheNetworkAndAreTakenOnce) {
   double nees_sum = 0.0;
   for (int ms = 0; ms < 6000; ms += 10) {
     const Timestamp now{milliseconds(ms)};
-    if (ms >= 1000 && ms % 400 == 0) client.submit(submap_of(robot, (ms - 1000) / 400), now);
+    if (ms >= 1000 && ms % 400 == 0) client.submit(sent_submap(robot, (ms - 1000) / 400), now);
     cloud.advance(now);
     for (const LocalizationResult& answer : client.take_answers(now)) {
       const auto correction = client.take_correction();

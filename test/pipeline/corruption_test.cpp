@@ -39,7 +39,7 @@ Bytes mutated(Bytes bytes, std::mt19937& random) {
   }
 }
 
-RobotSession session_of(const RobotId& robot) {
+RobotSession sound_session(const RobotId& robot) {
   RobotSession session = some_session();
   session.robot = robot;
   session.session = SessionNumber{2};
@@ -49,7 +49,7 @@ RobotSession session_of(const RobotId& robot) {
   return session;
 }
 
-Submap submap_of(const RobotId& robot, std::uint32_t number) {
+Submap sound_submap(const RobotId& robot, std::uint32_t number) {
   Submap submap = some_submap(4, 30);
   submap.robot = robot;
   submap.incarnation = Incarnation{17};
@@ -67,15 +67,15 @@ TEST(Corruption, OfWhatOneRobotSendsHarmsNeitherTheCloudNorAnotherRobot) {
   std::uint32_t sent = 0;
   int jobs = 0;
   Timestamp now{};
-  pool.receive({Topic::kSession, encode(session_of("victim"))}, now);
-  pool.receive({Topic::kSession, encode(session_of("mallory"))}, now);
+  pool.receive({Topic::kSession, encode(sound_session("victim"))}, now);
+  pool.receive({Topic::kSession, encode(sound_session("mallory"))}, now);
   for (int trial = 0; trial < kTrials; ++trial) {
     now += std::chrono::milliseconds(5);
     RobotStatus status = some_robot_status();
     status.robot = "mallory";
     const std::array<Bytes, 5> valid{
-        encode(session_of("mallory")),
-        encode(submap_of("mallory", static_cast<std::uint32_t>(trial))),
+        encode(sound_session("mallory")),
+        encode(sound_submap("mallory", static_cast<std::uint32_t>(trial))),
         encode(some_answer()),
         encode(status),
         encode(some_localizer_status())};
@@ -83,7 +83,7 @@ TEST(Corruption, OfWhatOneRobotSendsHarmsNeitherTheCloudNorAnotherRobot) {
     const Topic topic = random() % 10 == 0 ? kTopics[random() % 5] : kTopics[kind];
     pool.receive({topic, mutated(valid[kind], random)}, now);
     if (trial % 100 == 0) {
-      pool.receive({Topic::kSubmap, encode(submap_of("victim", sent++))}, now);
+      pool.receive({Topic::kSubmap, encode(sound_submap("victim", sent++))}, now);
       while (auto job = pool.take_job(now)) {
         LocalizationResult answer = LocalizerPool::run(*job);
         pool.finish(*job, std::move(answer), 1.0, now);
@@ -105,7 +105,7 @@ TEST(Corruption, OfWhatArrivesDoesNotEndTheService) {
   const auto cloud_end = network.join_cloud("cloud-a");
   CloudClient client("robot_1", *robot_end, read_cloud_client_config(defaults().section("client")));
   Timestamp now{};
-  client.start_session(session_of("robot_1"), now);
+  client.start_session(sound_session("robot_1"), now);
   std::mt19937 random(6);
   LocalizationResult answer = some_answer();
   const std::array<Bytes, 2> valid{encode(answer), encode(some_localizer_status())};
@@ -115,7 +115,7 @@ TEST(Corruption, OfWhatArrivesDoesNotEndTheService) {
     const std::size_t kind = random() % 2;
     cloud_end->send("robot_1", {kHeard[kind], mutated(valid[kind], random)}, now);
     static_cast<void>(client.take_answers(now));
-    if (trial % 100 == 0) client.submit(submap_of("robot_1", 0), now);
+    if (trial % 100 == 0) client.submit(sound_submap("robot_1", 0), now);
   }
   EXPECT_GT(client.statistics().refused.size(), 3);
   std::size_t received = 0;
@@ -124,7 +124,7 @@ TEST(Corruption, OfWhatArrivesDoesNotEndTheService) {
     cloud_end->send("", {Topic::kLocalizerStatus, valid[1]}, now);
     answer.keyframe = KeyframeId{200'000 + static_cast<std::uint32_t>(i)};
     cloud_end->send("robot_1", {Topic::kLocalization, encode(answer)}, now);
-    client.submit(submap_of("robot_1", 0), now);
+    client.submit(sound_submap("robot_1", 0), now);
     received += client.take_answers(now).size();
   }
   EXPECT_EQ(client.statistics().localizer, "cloud-a");

@@ -6,17 +6,14 @@
 #include "shared/wire/submap_codec.hpp"
 #include "test/answer_bytes.hpp"
 #include "test/pipeline/simulated_system.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
 
-Timestamp at(int ms) {
-  return Timestamp{milliseconds(ms)};
-}
-
-RobotSession session_of(const RobotId& robot, std::uint32_t number = 1) {
+RobotSession pool_session(const RobotId& robot, std::uint32_t number = 1) {
   RobotSession session;
   session.robot = robot;
   session.session = SessionNumber{number};
@@ -27,7 +24,7 @@ RobotSession session_of(const RobotId& robot, std::uint32_t number = 1) {
   return session;
 }
 
-Submap submap_of(const RobotId& robot, std::uint32_t number, std::uint32_t session = 1) {
+Submap pool_submap(const RobotId& robot, std::uint32_t number, std::uint32_t session = 1) {
   Submap submap;
   submap.robot = robot;
   submap.session = SessionNumber{session};
@@ -35,7 +32,7 @@ Submap submap_of(const RobotId& robot, std::uint32_t number, std::uint32_t sessi
   submap.number = SampleNumber{number};
   submap.keyframes.push_back({.id = KeyframeId{number},
                               .revision = Revision{1},
-                              .stamp = at(static_cast<int>(number)),
+                              .stamp = at_ms(static_cast<int>(number)),
                               .T_odom_body = {},
                               .tilt_sigma = 0.01,
                               .observations = {}});
@@ -45,14 +42,14 @@ Submap submap_of(const RobotId& robot, std::uint32_t number, std::uint32_t sessi
 class LocalizerPoolTest : public testing::Test {
  protected:
   void open(const RobotSession& session) {
-    pool_.receive({Topic::kSession, encode(session)}, at(0));
+    pool_.receive({Topic::kSession, encode(session)}, at_ms(0));
   }
-  void send(const Submap& submap) { pool_.receive({Topic::kSubmap, encode(submap)}, at(0)); }
+  void send(const Submap& submap) { pool_.receive({Topic::kSubmap, encode(submap)}, at_ms(0)); }
   SessionReport report(const RobotId& robot) { return pool_.reports().at(robot); }
 
   std::vector<LocalizationResult> answers(int ms) {
     std::vector<LocalizationResult> answers;
-    for (const auto& outgoing : pool_.outgoing(at(ms), 0.0)) {
+    for (const auto& outgoing : pool_.outgoing(at_ms(ms), 0.0)) {
       if (outgoing.message.topic != Topic::kLocalization) continue;
       answers.push_back(decode_localization_result(outgoing.message.payload).value());
       EXPECT_EQ(outgoing.partition, answers.back().robot);
@@ -61,10 +58,10 @@ class LocalizerPoolTest : public testing::Test {
   }
 
   void run_job(int ms) {
-    auto job = pool_.take_job(at(ms));
+    auto job = pool_.take_job(at_ms(ms));
     ASSERT_TRUE(job.has_value());
     LocalizationResult answer = LocalizerPool::run(*job);
-    pool_.finish(*job, std::move(answer), 1.0, at(ms));
+    pool_.finish(*job, std::move(answer), 1.0, at_ms(ms));
   }
 
   std::shared_ptr<const LaserMap> map_ =
@@ -75,9 +72,9 @@ class LocalizerPoolTest : public testing::Test {
 };
 
 TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
-  open(session_of("a"));
-  send(submap_of("a", 0));
-  send(submap_of("a", 2));
+  open(pool_session("a"));
+  send(pool_submap("a", 0));
+  send(pool_submap("a", 2));
   run_job(40);
   const auto sent = answers(50);
   ASSERT_EQ(sent.size(), 1);
@@ -91,8 +88,8 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
 }
 
 TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {
-  open(session_of("a"));
-  send(submap_of("a", 0));
+  open(pool_session("a"));
+  send(pool_submap("a", 0));
   run_job(0);
   int sent = 0;
   for (int ms = 0; ms <= 5000; ms += 10) sent += static_cast<int>(answers(ms).size());
@@ -102,26 +99,26 @@ TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {
 
 TEST_F(LocalizerPoolTest, ServesRobotsInTurnAndEachOneJobAtATime) {
   for (const char* robot : {"a", "b", "c"}) {
-    open(session_of(robot));
-    send(submap_of(robot, 0));
+    open(pool_session(robot));
+    send(pool_submap(robot, 0));
   }
-  const auto first = pool_.take_job(at(0));
+  const auto first = pool_.take_job(at_ms(0));
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ(first->robot, "a");
-  send(submap_of("a", 1));
-  EXPECT_EQ(pool_.take_job(at(0))->robot, "b");
-  EXPECT_EQ(pool_.take_job(at(0))->robot, "c");
-  EXPECT_FALSE(pool_.take_job(at(0)).has_value());  // a waits, but its job is still running
-  pool_.finish(*first, LocalizationResult{}, 1.0, at(1));
-  EXPECT_EQ(pool_.take_job(at(0))->robot, "a");
+  send(pool_submap("a", 1));
+  EXPECT_EQ(pool_.take_job(at_ms(0))->robot, "b");
+  EXPECT_EQ(pool_.take_job(at_ms(0))->robot, "c");
+  EXPECT_FALSE(pool_.take_job(at_ms(0)).has_value());  // a waits, but its job is still running
+  pool_.finish(*first, LocalizationResult{}, 1.0, at_ms(1));
+  EXPECT_EQ(pool_.take_job(at_ms(0))->robot, "a");
 }
 
 TEST_F(LocalizerPoolTest, RefusesByNameWhatDoesNotBelongToTheSession) {
-  open(session_of("a", 2));
-  send(submap_of("a", 0, 1));
-  send(submap_of("a", 0, 2));
-  send(submap_of("a", 0, 2));
-  open(session_of("a", 1));  // an old datagram
+  open(pool_session("a", 2));
+  send(pool_submap("a", 0, 1));
+  send(pool_submap("a", 0, 2));
+  send(pool_submap("a", 0, 2));
+  open(pool_session("a", 1));  // an old datagram
   EXPECT_EQ(report("a").submaps, 1);
   EXPECT_EQ(report("a").refused.at("unknown_session"), 1);
   EXPECT_EQ(report("a").refused.at("seen_before"), 1);
@@ -129,10 +126,11 @@ TEST_F(LocalizerPoolTest, RefusesByNameWhatDoesNotBelongToTheSession) {
 }
 
 TEST_F(LocalizerPoolTest, UsesWhatCameBeforeTheSession) {
-  const RobotSession session = session_of("a");
+  const RobotSession session = pool_session("a");
   for (const std::uint32_t number : {0U, 2U}) {
-    const Submap submap = submap_of("a", number);
-    pool_.receive({Topic::kCompactSubmap, encode_compact(submap, {}, {}, session.stereo)}, at(0));
+    const Submap submap = pool_submap("a", number);
+    pool_.receive({Topic::kCompactSubmap, encode_compact(submap, {}, {}, session.stereo)},
+                  at_ms(0));
   }
   open(session);
   EXPECT_EQ(report("a").submaps, 2);
@@ -141,31 +139,31 @@ TEST_F(LocalizerPoolTest, UsesWhatCameBeforeTheSession) {
 }
 
 TEST_F(LocalizerPoolTest, AResultOfAReplacedSessionIsDropped) {
-  open(session_of("a", 1));
-  send(submap_of("a", 0, 1));
-  const auto job = pool_.take_job(at(0));
+  open(pool_session("a", 1));
+  send(pool_submap("a", 0, 1));
+  const auto job = pool_.take_job(at_ms(0));
   ASSERT_TRUE(job.has_value());
-  open(session_of("a", 2));
-  pool_.finish(*job, LocalizationResult{}, 1.0, at(1));
+  open(pool_session("a", 2));
+  pool_.finish(*job, LocalizationResult{}, 1.0, at_ms(1));
   EXPECT_TRUE(answers(2).empty());
 }
 
 TEST_F(LocalizerPoolTest, GarbageHarmsNobody) {
-  open(session_of("a"));
+  open(pool_session("a"));
   for (const Topic topic : {Topic::kSession, Topic::kSubmap}) {
-    pool_.receive({topic, Bytes{}}, at(0));
-    pool_.receive({topic, Bytes{0, 1, 0, 0, 255, 255, 255, 255}}, at(0));
+    pool_.receive({topic, Bytes{}}, at_ms(0));
+    pool_.receive({topic, Bytes{0, 1, 0, 0, 255, 255, 255, 255}}, at_ms(0));
   }
-  pool_.receive({Topic::kSubmap, encode(submap_of("unknown_robot", 0))}, at(0));
-  send(submap_of("a", 0));
+  pool_.receive({Topic::kSubmap, encode(pool_submap("unknown_robot", 0))}, at_ms(0));
+  send(pool_submap("a", 0));
   EXPECT_EQ(report("a").submaps, 1);
   EXPECT_EQ(pool_.sessions(), 1);
 }
 
 TEST_F(LocalizerPoolTest, DropsTheOldestOfTooManyWaitingSubmaps) {
-  open(session_of("a"));
-  for (std::uint32_t i = 0; i < 70; ++i) send(submap_of("a", i));
-  const auto job = pool_.take_job(at(0));
+  open(pool_session("a"));
+  for (std::uint32_t i = 0; i < 70; ++i) send(pool_submap("a", i));
+  const auto job = pool_.take_job(at_ms(0));
   ASSERT_TRUE(job.has_value());
   EXPECT_EQ(job->submaps.size(), 64);
   EXPECT_EQ(job->submaps.back().number, SampleNumber{69});

@@ -11,12 +11,9 @@
 #include "shared/wire/submap_codec.hpp"
 #include "test/answer_bytes.hpp"
 #include "test/pipeline/simulated_system.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
-
-inline Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 inline RobotSession session_of(const RobotId& robot, double start_s = 1.0) {
   RobotSession session;

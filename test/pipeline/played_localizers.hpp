@@ -9,6 +9,7 @@
 #include "deploy/config/default_config.hpp"
 #include "robot/cloud_client/localizer_selector.hpp"
 #include "shared/config/config_reader.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 inline LocalizerSelector::Config config() {
@@ -17,10 +18,6 @@ inline LocalizerSelector::Config config() {
   config.known.status_timeout_s =
       6.0;  // of localizers that tell their status as often as those here
   return config;
-}
-
-inline Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
 }
 
 /// A robot's selector among localizers that live, answer and are loaded as a test says.

@@ -14,6 +14,7 @@
 #include "shared/link/memory_network.hpp"
 #include "test/pipeline/simulated_system.hpp"
 #include "test/unit/compact/moving_robot.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
@@ -21,10 +22,6 @@ namespace {
 constexpr double kDelay = 0.3;             // one way [s]
 constexpr double kKeyframeInterval = 0.5;  // of each robot [s]
 constexpr std::size_t kLandmarks = 80;     // in each keyframe
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 /// 250 kbit/s each way, as of one cell of NB-IoT.
 LinkConfig cell(double loss) {

@@ -8,17 +8,16 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kMaxPoints = 700;  // of a line
-constexpr double kLongestGap_s = 1.0;    // that a line is drawn across
+constexpr std::size_t kMaxErrorPoints = 700;  // of a line
 constexpr double kDeviations = 3.0;
 
 /// Rows for gnuplot, with an empty one in each gap.
 std::vector<std::vector<double>> rows_of(const Series& series) {
-  const double gap_s = std::max(
-      kLongestGap_s,
-      series.empty()
-          ? 0.0
-          : 3.0 * (series.back().first - series.front().first) / static_cast<double>(kMaxPoints));
+  const double gap_s =
+      std::max(kLongestGap_s,
+               series.empty() ? 0.0
+                              : 3.0 * (series.back().first - series.front().first) /
+                                    static_cast<double>(kMaxErrorPoints));
   std::vector<std::vector<double>> rows;
   double before = series.empty() ? 0.0 : series.front().first;
   for (const auto& [time, value] : series) {
@@ -34,7 +33,7 @@ Series distances(const RunData& run, std::span<const PosePair> pairs) {
   for (const PosePair& pair : pairs) {
     series.emplace_back(run.seconds(pair.stamp), std::max(position_error(pair).norm(), 1e-4));
   }
-  return thinned(series, kMaxPoints);
+  return thinned(series, kMaxErrorPoints);
 }
 
 /// One of x, y, z and yaw: its error and three sigmas.
@@ -93,8 +92,8 @@ void plot_component(Drawing& drawing,
                     const std::string& label,
                     const std::string& titles) {
   const double half = half_range(component);
-  const Series bound = thinned(component.bound, kMaxPoints);
-  drawing.data(name + "_error", rows_of(thinned(component.error, kMaxPoints)));
+  const Series bound = thinned(component.bound, kMaxErrorPoints);
+  drawing.data(name + "_error", rows_of(thinned(component.error, kMaxErrorPoints)));
   drawing.data(name + "_bound", rows_of(bound));
   drawing.command("set yrange [" + plot_number(-half) + ":" + plot_number(half) + "]");
   drawing.command("set ytics " + plot_number(tic_step(2.0 * half, 5)));

@@ -8,6 +8,9 @@
 
 namespace fleetloc {
 
+/// The longest gap that a line is drawn across.
+inline constexpr double kLongestGap_s = 1.0;
+
 /// Figures of one run, as <svg> elements whose ids begin with `id`. Empty: the run has nothing to
 /// show there. All throw std::runtime_error, see gnuplot_output().
 struct TrajectoryFigures {

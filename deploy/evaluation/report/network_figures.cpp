@@ -10,9 +10,9 @@ namespace {
 
 using Rows = std::vector<std::vector<double>>;
 
-constexpr std::size_t kMaxPoints = 600;  // of a line
-constexpr double kMaxIntervals = 300.0;  // that bytes are summed over
-constexpr std::size_t kMaxMarks = 400;   // of answers in one row
+constexpr std::size_t kMaxLinePoints = 600;  // of a line
+constexpr double kMaxIntervals = 300.0;      // that bytes are summed over
+constexpr std::size_t kMaxMarks = 400;       // of answers in one row
 
 double length_s(const RunData& run) {
   return run.frames.empty() ? 0.0 : run.seconds(run.frames.back().stamp);
@@ -151,12 +151,12 @@ std::string link_figure(const RunData& run, const std::string& id) {
       "set multiplot layout 2,1 margins screen 0.18,0.97,0.14,0.96 spacing screen 0.05\n"
       "set ylabel 'round trip [s]' offset 0.5,0");
   panel("round_trip",
-        changes(thinned(round_trip, kMaxPoints)),
+        changes(thinned(round_trip, kMaxLinePoints)),
         1e-3,
         "linecolor rgb '#0072B2' notitle");
   drawing.command("set format x '%g'\nset xlabel 'time [s]' offset 0,0.4");
   drawing.command("set ylabel 'loss [%]' offset 0.5,0");
-  panel("loss", changes(thinned(loss, kMaxPoints)), 5.0, "linecolor rgb '#D55E00' notitle");
+  panel("loss", changes(thinned(loss, kMaxLinePoints)), 5.0, "linecolor rgb '#D55E00' notitle");
   drawing.command("unset multiplot");
   return drawing.svg();
 }

@@ -17,8 +17,7 @@ constexpr int kColourBar = 52;
 constexpr int kPlotWidth = kWidth_px - kLeft - kRight;
 constexpr int kMinHeight = 200;
 constexpr int kMaxHeight = 520;
-constexpr std::size_t kMaxPoints = 900;  // of a trajectory
-constexpr double kLongestGap_s = 1.0;    // that a line is drawn across
+constexpr std::size_t kMaxTrajectoryPoints = 900;  // of a trajectory
 
 struct TrackPoint {
   Timestamp stamp;
@@ -74,7 +73,7 @@ View view_of(std::span<const Track> tracks, std::span<const Eigen::Vector3f> map
 
 /// Thinned, with an empty row where the line is interrupted.
 std::vector<std::vector<double>> rows_of(const Track& track) {
-  const std::size_t step = track.size() / kMaxPoints + 1;
+  const std::size_t step = track.size() / kMaxTrajectoryPoints + 1;
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < track.size(); ++i) {
     const TrackPoint& point = track[i];

@@ -5,13 +5,13 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kPerInterval = 4;
+constexpr int kSamplesPerInterval = 4;
 
 template <typename Visit>
 void for_each_state(const SplineMotion& motion, const Visit& visit) {
   const SplineGrid& grid = motion.grid();
-  for (int i = 0; i <= kPerInterval * grid.intervals; ++i) {
-    visit(motion.at(grid.interval_s * i / kPerInterval));
+  for (int i = 0; i <= kSamplesPerInterval * grid.intervals; ++i) {
+    visit(motion.at(grid.interval_s * i / kSamplesPerInterval));
   }
 }
 

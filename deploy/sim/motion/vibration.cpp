@@ -11,7 +11,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kKnotInterval = 0.02;  // [s]
+constexpr double kVibrationKnotInterval = 0.02;  // [s]
 constexpr std::array kFrequencies{1.0, 1.37, 2.21};
 constexpr std::array kAmplitudes{1.0, 0.5, 0.25};
 
@@ -36,7 +36,7 @@ SplineMotion with_vibration(const SplineMotion& motion,
   constexpr std::uint64_t kPhases = 0x7669627261;
   const CounterRandom phases(seed, kPhases);
   const SplineGrid grid =
-      grid_over(motion.duration(), std::min(kKnotInterval, motion.grid().interval_s));
+      grid_over(motion.duration(), std::min(kVibrationKnotInterval, motion.grid().interval_s));
   return spline_through(grid, [&](double time_s) {
     const MotionState state = motion.at(time_s);
     const double speed = state.v_map.norm() / config.full_from_speed;

@@ -3,12 +3,6 @@
 #include "deploy/sim/world/float4.hpp"
 
 namespace fleetloc {
-namespace {
-
-constexpr float kFarthest_m = 1000.0F;
-
-}  // namespace
-
 void CameraPacket::set(std::size_t lane,
                        const Eigen::Vector3f& direction_cam,
                        std::uint8_t its_sun_sample) {
@@ -35,7 +29,7 @@ ViewPacket in_map(const CameraPacket& packet, const CameraView& frame, float pix
     store4(R(1, 0) * x + R(1, 1) * y + R(1, 2) * z, &view.rays.direction_y[i]);
     store4(R(2, 0) * x + R(2, 1) * y + R(2, 2) * z, &view.rays.direction_z[i]);
     const Int4 is_used = x * x + y * y + z * z > 0.0F;
-    store4(is_used ? all4(kFarthest_m) : all4(-1.0F), &view.rays.max_m[i]);
+    store4(is_used ? all4(kFarthestSeen_m) : all4(-1.0F), &view.rays.max_m[i]);
   }
   return view;
 }

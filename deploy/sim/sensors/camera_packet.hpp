@@ -10,6 +10,9 @@
 
 namespace fleetloc {
 
+/// What is farther away is not seen.
+inline constexpr float kFarthestSeen_m = 1000.0F;
+
 /// Viewing rays of pixels, in the camera's frame.
 struct CameraPacket {
   RayPacket::Lanes<float> direction_x, direction_y, direction_z;  ///< zero in unused lanes

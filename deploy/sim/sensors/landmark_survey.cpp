@@ -4,10 +4,11 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "deploy/sim/sensors/camera_packet.hpp"
+
 namespace fleetloc {
 namespace {
 
-constexpr float kFarthest_m = 1000.0F;
 constexpr float kMapped_m = 0.3F;
 constexpr double kMinQuality = 0.01;  // of the best corner
 constexpr double kApart_px = 8.0;
@@ -22,7 +23,7 @@ std::optional<Eigen::Vector3d> visible_point(const RayCaster& world,
   if (!direction) return std::nullopt;
   const Eigen::Vector3d direction_map = (T_map_cam.R * *direction).normalized();
   const auto hit =
-      world.first_hit({T_map_cam.p.cast<float>(), direction_map.cast<float>()}, kFarthest_m);
+      world.first_hit({T_map_cam.p.cast<float>(), direction_map.cast<float>()}, kFarthestSeen_m);
   if (!hit) return std::nullopt;
   return T_map_cam.p + static_cast<double>(hit->distance_m) * direction_map;
 }

@@ -10,7 +10,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr float kFarthest_m = 400.0F;
+constexpr float kFarthestShadow_m = 400.0F;
 constexpr float kSunRadius_rad = 0.008F;  // a little larger than it is: softer
 constexpr float kShadowSkin_m = 0.01F;
 constexpr float kSnowAlbedo = 0.78F;
@@ -54,7 +54,7 @@ void set_lane(RayPacket& rays,
   rays.direction_y[i] = direction.y();
   rays.direction_z[i] = direction.z();
   rays.min_m[i] = 0.0F;
-  rays.max_m[i] = kFarthest_m;
+  rays.max_m[i] = kFarthestShadow_m;
 }
 
 /// Irradiance by the sun, by the cosine of its angle to the normal.

@@ -5,10 +5,10 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::chrono::milliseconds kFirstPause{500};
-constexpr int kTries = 5;                       // within 16 s
-constexpr std::chrono::minutes kForgotten{10};  // longer than any lease
-constexpr std::size_t kManyStrangers = 2000;    // then those are dropped that are forgotten
+constexpr std::chrono::milliseconds kFirstRepetition{500};
+constexpr int kTries = 5;                               // within 16 s
+constexpr std::chrono::minutes kStrangerForgotten{10};  // longer than any lease
+constexpr std::size_t kManyStrangers = 2000;            // then those are dropped that are forgotten
 
 bool is_addressed(RtpsBytes datagram, const GuidPrefix& to) {
   RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
@@ -30,7 +30,8 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
   if (knows_us) is_known_.store(true, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
   if (strangers_.size() > kManyStrangers) {
-    std::erase_if(strangers_, [&](const auto& one) { return now - one.second.heard > kForgotten; });
+    std::erase_if(strangers_,
+                  [&](const auto& one) { return now - one.second.heard > kStrangerForgotten; });
   }
   const auto known = strangers_.find(sender_of(datagram));
   if (known != strangers_.end()) {
@@ -40,7 +41,7 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
   }
   if (!knows_us && !is_announcement(datagram)) return std::nullopt;
   strangers_[sender_of(datagram)] = {.heard = now, .knows_us = knows_us};
-  return knows_us ? std::nullopt : std::optional<Pause>(kFirstPause);
+  return knows_us ? std::nullopt : std::optional<Pause>(kFirstRepetition);
 }
 
 std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::again(
@@ -49,7 +50,7 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::again(
   const auto known = strangers_.find(participant);
   if (known == strangers_.end() || known->second.knows_us) return std::nullopt;
   if (++known->second.tries > kTries) return std::nullopt;
-  return (1 << known->second.tries) * kFirstPause;
+  return (1 << known->second.tries) * kFirstRepetition;
 }
 
 }  // namespace fleetloc

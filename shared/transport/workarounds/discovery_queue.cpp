@@ -22,8 +22,6 @@ void append(RtpsBytes bytes, std::vector<std::uint8_t>& to) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-constexpr std::size_t kEntitiesBytes = 8;  // reader and writer
-
 /// @return whether the submessage is of discovery, or tells nothing
 bool add(const RtpsSubmessage& submessage, DiscoveryDatagram& datagram) {
   std::size_t skipped = 0;  // before reader and writer

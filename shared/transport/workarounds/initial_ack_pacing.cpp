@@ -9,13 +9,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr milliseconds kFirstPause{200};
+constexpr milliseconds kFirstAckPause{200};
 constexpr seconds kLongestPause{13};  // 0.2 s, doubled six times
 // The library has stopped asking, and when it begins again, that is another match.
 constexpr seconds kOver{2};
 
 constexpr std::size_t kPrefixBytes = 12;
-constexpr std::size_t kEntitiesBytes = 8;  // reader and writer
 constexpr std::size_t kDestinationBytes = 4 + kPrefixBytes;
 constexpr std::size_t kAckNackBytes = 4 + kEntitiesBytes + 8 + 4 + 4;  // without a set
 constexpr std::size_t kDatagramBytes = kRtpsHeaderBytes + kDestinationBytes + kAckNackBytes;
@@ -51,7 +50,7 @@ bool InitialAckPacing::passes(RtpsBytes datagram, Time now) {
   const auto known = questions_.find(*key);
   if (known == questions_.end() || now - known->second.asked_at > kOver) {
     std::erase_if(questions_, [&](const auto& one) { return now - one.second.asked_at > kOver; });
-    questions_[*key] = {.asked_at = now, .due_at = now + kFirstPause, .pause = kFirstPause};
+    questions_[*key] = {.asked_at = now, .due_at = now + kFirstAckPause, .pause = kFirstAckPause};
     return true;
   }
   Question& question = known->second;

@@ -8,7 +8,7 @@ namespace {
 using std::chrono::seconds;
 
 // A live participant is heard more often: each sends its status every 10 s.
-constexpr seconds kFresh{15};
+constexpr seconds kPeerFresh{15};
 // Silent for longer, a participant is taken to be gone; one that returns announces itself again.
 constexpr seconds kGone{60};
 constexpr std::size_t kMaxParticipants = 4096;
@@ -53,7 +53,7 @@ bool PeerAddressFilter::is_redundant(const Locator& locator,
   for (const GuidPrefix& prefix : announcers->second) {
     const Participant& participant = participants_.at(prefix);
     if (now - participant.last() > kGone) continue;
-    if (!participant.source || now - participant.heard_at > kFresh) return false;
+    if (!participant.source || now - participant.heard_at > kPeerFresh) return false;
     if (participant.source == locator.address) return false;
     if (!participant.addresses.contains(*participant.source)) return false;  // translated
     const Locator heard_at{.address = *participant.source, .port = locator.port};

@@ -20,6 +20,7 @@ using RtpsBytes = std::span<const std::uint8_t>;
 using GuidPrefix = std::array<std::uint8_t, 12>;
 
 inline constexpr std::size_t kRtpsHeaderBytes = 20;
+inline constexpr std::size_t kEntitiesBytes = 8;               // reader and writer
 inline constexpr std::size_t kGuidPrefixAt = 8;                // in the header
 inline constexpr std::uint32_t kParticipantWriter = 0x0100c2;  // built-in, of announcements
 

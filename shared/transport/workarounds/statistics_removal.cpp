@@ -3,11 +3,11 @@
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kStatisticsBytes = 60;  // with the head of the submessage
+constexpr std::size_t kWholeStatisticsBytes = 60;  // with the head of the submessage
 
 bool has_mark(RtpsBytes datagram) {
-  return datagram.size() >= kRtpsHeaderBytes + kStatisticsBytes &&
-         datagram[datagram.size() - kStatisticsBytes] ==
+  return datagram.size() >= kRtpsHeaderBytes + kWholeStatisticsBytes &&
+         datagram[datagram.size() - kWholeStatisticsBytes] ==
              static_cast<std::uint8_t>(RtpsKind::kStatistics);
 }
 
@@ -16,9 +16,9 @@ bool has_mark(RtpsBytes datagram) {
 RtpsBytes without_statistics(RtpsBytes datagram) {
   if (!has_mark(datagram)) return datagram;
   RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
-  while (rest.size() > kStatisticsBytes && take_submessage(rest)) continue;
-  if (rest.size() != kStatisticsBytes) return datagram;  // it is part of something else
-  const RtpsBytes shorter = datagram.first(datagram.size() - kStatisticsBytes);
+  while (rest.size() > kWholeStatisticsBytes && take_submessage(rest)) continue;
+  if (rest.size() != kWholeStatisticsBytes) return datagram;  // it is part of something else
+  const RtpsBytes shorter = datagram.first(datagram.size() - kWholeStatisticsBytes);
   return has_mark(shorter) ? datagram : shorter;
 }
 

@@ -4,12 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 LocalizerStatus status(const std::string& name, int sessions, double load = 0.0) {
   return {.localizer = name,

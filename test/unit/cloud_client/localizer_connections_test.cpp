@@ -3,17 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
-
-class RecordingChannel final : public Channel {
+class PreparedReceivers final : public Channel {
  public:
   void send(const std::string& /*receiver*/, Message /*message*/, Timestamp /*now*/) override {}
   [[nodiscard]] std::vector<Message> receive(Timestamp /*now*/) override { return {}; }
@@ -26,7 +24,7 @@ class RecordingChannel final : public Channel {
 
 class LocalizerConnectionsTest : public testing::Test {
  protected:
-  RecordingChannel channel_;
+  PreparedReceivers channel_;
   LocalizerConnections connections_{channel_, {.standbys = 2, .linger_s = 10.0}};
 };
 

@@ -5,6 +5,7 @@
 
 #include "deploy/config/default_config.hpp"
 #include "shared/config/config_reader.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
@@ -13,10 +14,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 LocalizerSelector::Config config() {
   return read_localizer_selector_config(

@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 MapOdomEstimate start_at(double x) {
   MapOdomEstimate start;

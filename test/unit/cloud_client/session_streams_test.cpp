@@ -17,7 +17,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-SessionStreams::Time at(double s) {
+SessionStreams::Time both_at(double s) {
   const Timestamp now{from_seconds(s)};
   return {now, now};
 }
@@ -26,7 +26,7 @@ Submap submap_of(std::uint32_t keyframe) {
   Submap submap;
   submap.keyframes.push_back({.id = KeyframeId{keyframe},
                               .revision = Revision{1},
-                              .stamp = at(0.5 * keyframe).now,
+                              .stamp = both_at(0.5 * keyframe).now,
                               .T_odom_body = {},
                               .tilt_sigma = 0.01,
                               .observations = {}});
@@ -61,8 +61,8 @@ RobotSession some_session() {
 class SessionStreamsTest : public testing::Test {
  protected:
   void start() {
-    streams_.start_session(some_session(), at(0).clock);
-    streams_.use("a", Incarnation{1}, at(0));
+    streams_.start_session(some_session(), both_at(0).clock);
+    streams_.use("a", Incarnation{1}, both_at(0));
   }
 
   RecordingChannel channel_;
@@ -74,35 +74,35 @@ class SessionStreamsTest : public testing::Test {
 };
 
 TEST_F(SessionStreamsTest, SendNothingWithoutALocalizer) {
-  streams_.start_session(some_session(), at(0).clock);
+  streams_.start_session(some_session(), both_at(0).clock);
   streams_.add(submap_of(1));
-  const SessionStreams::Sent sent = streams_.send_submaps(at(1));
+  const SessionStreams::Sent sent = streams_.send_submaps(both_at(1));
   EXPECT_FALSE(sent.to_current || sent.to_successor);
   EXPECT_THAT(channel_.take(), IsEmpty());
 }
 
 TEST_F(SessionStreamsTest, TellTheOneThatIsLeftWhereTheSessionGoes) {
   start();
-  streams_.use("b", Incarnation{1}, at(1));
+  streams_.use("b", Incarnation{1}, both_at(1));
   EXPECT_THAT(channel_.take(),
               ElementsAre("a: session to a", "b: session to b", "a: session to b"));
-  streams_.use("b", Incarnation{2}, at(2));
+  streams_.use("b", Incarnation{2}, both_at(2));
   EXPECT_THAT(channel_.take(), ElementsAre("b: session to b")) << "a restart leaves nobody";
 }
 
 TEST_F(SessionStreamsTest, SendToTheSuccessorBesideTheLocalizerUntilItTakesOver) {
   start();
-  streams_.begin_successor("b", Incarnation{1}, at(1));
+  streams_.begin_successor("b", Incarnation{1}, both_at(1));
   EXPECT_THAT(channel_.take(), ElementsAre("a: session to a", "b: session to b"));
   EXPECT_TRUE(streams_.is_successor("b"));
   EXPECT_EQ(streams_.of("b").localizer(), "b");
   EXPECT_EQ(streams_.of("a").localizer(), "a");
   streams_.add(submap_of(1));
-  const SessionStreams::Sent sent = streams_.send_submaps(at(2));
+  const SessionStreams::Sent sent = streams_.send_submaps(both_at(2));
   EXPECT_TRUE(sent.to_current && sent.to_successor);
   EXPECT_THAT(channel_.take(), ElementsAre("a: submap", "b: submap"));
 
-  streams_.use("b", Incarnation{1}, at(3));
+  streams_.use("b", Incarnation{1}, both_at(3));
   EXPECT_THAT(channel_.take(), ElementsAre("a: session to b")) << "b has it already";
   EXPECT_EQ(streams_.current().localizer(), "b");
   EXPECT_EQ(streams_.current().uplink().sender().sent(), 1U) << "its stream goes on";
@@ -111,23 +111,23 @@ TEST_F(SessionStreamsTest, SendToTheSuccessorBesideTheLocalizerUntilItTakesOver)
 
 TEST_F(SessionStreamsTest, TellASuccessorThatItIsNotNeeded) {
   start();
-  streams_.begin_successor("b", Incarnation{1}, at(1));
+  streams_.begin_successor("b", Incarnation{1}, both_at(1));
   channel_.take();
-  streams_.begin_successor("c", Incarnation{1}, at(2));
+  streams_.begin_successor("c", Incarnation{1}, both_at(2));
   EXPECT_THAT(channel_.take(), ElementsAre("b: session to a", "c: session to c"));
-  streams_.start_session(some_session(), at(3).clock);
+  streams_.start_session(some_session(), both_at(3).clock);
   EXPECT_THAT(channel_.take(), ElementsAre("c: session to a"));
-  streams_.use("a", Incarnation{1}, at(3));
-  streams_.begin_successor("b", Incarnation{1}, at(4));
+  streams_.use("a", Incarnation{1}, both_at(3));
+  streams_.begin_successor("b", Incarnation{1}, both_at(4));
   channel_.take();
-  streams_.end(at(5).clock);
+  streams_.end(both_at(5).clock);
   EXPECT_THAT(channel_.take(), ElementsAre("b: session to a"));
   EXPECT_EQ(streams_.current().localizer(), "");
 }
 
 TEST_F(SessionStreamsTest, UseNoNumberOfADroppedSuccessorAgain) {
   start();
-  streams_.begin_successor("b", Incarnation{1}, at(1));
+  streams_.begin_successor("b", Incarnation{1}, both_at(1));
   const auto sent_to = [&](const std::string& localizer) {
     return streams_.of(localizer).uplink().sender().sent();
   };
@@ -136,18 +136,18 @@ TEST_F(SessionStreamsTest, UseNoNumberOfADroppedSuccessorAgain) {
     if (tenths <= 50 && tenths % 10 == 0) {
       streams_.add(submap_of(static_cast<std::uint32_t>(tenths / 10)));
     }
-    if (!streams_.send_submaps(at(s)).to_successor) continue;
+    if (!streams_.send_submaps(both_at(s)).to_successor) continue;
     LocalizationResult acknowledging;
     acknowledging.session = SessionNumber{1};
     acknowledging.localizer = "b";
     acknowledging.incarnation = Incarnation{1};
     acknowledging.acknowledgements = {.base = SampleNumber{sent_to("b") - 1}, .bitmap = 1};
-    streams_.answered(acknowledging, at(s).now);
+    streams_.answered(acknowledging, both_at(s).now);
   }
   const std::uint32_t used = sent_to("b");
   ASSERT_GT(used, sent_to("a")) << "whose link has not been measured";
-  streams_.drop_successor(at(20).clock);
-  streams_.begin_successor("b", Incarnation{1}, at(21));
+  streams_.drop_successor(both_at(20).clock);
+  streams_.begin_successor("b", Incarnation{1}, both_at(21));
   EXPECT_GE(sent_to("b"), used);
 }
 
@@ -155,9 +155,9 @@ TEST_F(SessionStreamsTest, CountWhatCannotBeSent) {
   RobotSession session = some_session();
   session.start = MapOdomEstimate{};
   session.start->T_map_odom.p.x() = 1e30;
-  streams_.start_session(session, at(0).clock);
-  streams_.use("a", Incarnation{1}, at(0));
-  streams_.begin_successor("b", Incarnation{1}, at(1));
+  streams_.start_session(session, both_at(0).clock);
+  streams_.use("a", Incarnation{1}, both_at(0));
+  streams_.begin_successor("b", Incarnation{1}, both_at(1));
   EXPECT_THAT(streams_.refusals(), Contains(std::pair(MessageRefusal::kNotEncodable, 1U)));
 }
 

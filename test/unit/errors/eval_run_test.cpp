@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 
 constexpr int kFrames = 2000;
 
-Timestamp at(int frame) {
+Timestamp at_frame(int frame) {
   return Timestamp(std::chrono::milliseconds(1'000'000 + 50 * frame));
 }
 
@@ -38,7 +38,7 @@ Pose T_map_body(int frame) {
 
 Trajectory truth() {
   Trajectory trajectory;
-  for (int i = 0; i < kFrames; ++i) trajectory.push_back({at(i), T_map_body(i)});
+  for (int i = 0; i < kFrames; ++i) trajectory.push_back({at_frame(i), T_map_body(i)});
   return trajectory;
 }
 
@@ -68,7 +68,7 @@ std::string header() {
 
 std::string stamp_text(int frame) {
   std::ostringstream line;
-  write_tum_line(line, at(frame), {});
+  write_tum_line(line, at_frame(frame), {});
   return line.str().substr(0, line.str().find(' '));
 }
 
@@ -88,10 +88,11 @@ class EvaluateRun : public ::testing::Test {
     const Matrix6d unknown = Matrix6d::Constant(std::nan(""));
     for (int i = 0; i < kFrames; ++i) {
       const bool localized = i >= 100;
-      if (localized) write_tum_line(localization, at(i), retract(T_map_body(i), draw_error()));
+      if (localized)
+        write_tum_line(localization, at_frame(i), retract(T_map_body(i), draw_error()));
       // The first pose of odometry is exact: it defines the frame.
       const Vector6d error = i == 0 ? Vector6d::Zero() : draw_error();
-      write_tum_line(odometry, at(i), retract(T_odom_map * T_map_body(i), error));
+      write_tum_line(odometry, at_frame(i), retract(T_odom_map * T_map_body(i), error));
       diagnostics << stamp_text(i) << ",localized,0.5" << triangle(localized ? covariance : unknown)
                   << triangle(covariance / 4.0) << ",1\n";
     }
@@ -112,7 +113,7 @@ class EvaluateRun : public ::testing::Test {
     std::ofstream stream(file);
     for (const StampedPose& pose : poses) {
       const bool is_displaced =
-          std::ranges::any_of(frames, [&pose](int frame) { return at(frame) == pose.stamp; });
+          std::ranges::any_of(frames, [&pose](int frame) { return at_frame(frame) == pose.stamp; });
       Vector6d displacement = Vector6d::Zero();
       if (is_displaced) displacement << degrees * kRadPerDeg, 0.0, 0.0, metres, 0.0, 0.0;
       write_tum_line(stream, pose.stamp, retract(pose.T_ref_body, displacement));
@@ -283,7 +284,7 @@ TEST_F(EvaluateRun, NamesAMissingColumn) {
 }
 
 TEST(Evaluate, RefusesAnEstimateWithoutGroundTruth) {
-  const Trajectory later = {{.stamp = at(kFrames + 100), .T_ref_body = {}}};
+  const Trajectory later = {{.stamp = at_frame(kFrames + 100), .T_ref_body = {}}};
   EXPECT_THROW(
       evaluate(
           truth(), later, Alignment::kSe3, {std::chrono::seconds(1), std::chrono::seconds(10)}),

@@ -2,14 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "robot/fusion/pose_fusion.hpp"
+#include "test/unit/fusion/either_fusion.hpp"
 #include "test/unit/fusion/fed_fusion.hpp"
 
 namespace fleetloc {
 namespace {
-
-double distance(const Pose& a, const Pose& b) {
-  return local_coordinates(a, b).norm();
-}
 
 TEST(PoseFusion, IsNotLocalizedFromAnInterruptionOnUntilAnAnswerOfTheNewSessionAgrees) {
   FedFusion fed;

@@ -9,14 +9,14 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kDatagrams = 200'000;
+constexpr int kLostOrNot = 200'000;
 constexpr double kSigmas = 5.0;  // of what is measured
 
 struct Setting {
   double loss, burst_length;
 };
 
-std::vector<bool> losses(const Setting& setting, std::uint64_t seed, int datagrams = kDatagrams) {
+std::vector<bool> losses(const Setting& setting, std::uint64_t seed, int datagrams = kLostOrNot) {
   BurstLoss loss(setting.loss, setting.burst_length, seed);
   std::vector<bool> lost;
   lost.reserve(static_cast<std::size_t>(datagrams));
@@ -32,8 +32,8 @@ TEST_P(BurstLosses, AreTheShareThatIsAskedFor) {
   const auto [loss, burst_length] = GetParam();
   const std::vector<bool> lost = losses(GetParam(), 1);
   const auto count = static_cast<double>(std::ranges::count(lost, true));
-  const double variance = loss * (1.0 - loss) * (2.0 * burst_length - 1.0) / kDatagrams;
-  EXPECT_NEAR(count / kDatagrams, loss, kSigmas * std::sqrt(variance));
+  const double variance = loss * (1.0 - loss) * (2.0 * burst_length - 1.0) / kLostOrNot;
+  EXPECT_NEAR(count / kLostOrNot, loss, kSigmas * std::sqrt(variance));
 }
 
 // The number in a row is geometric: its standard deviation is below its mean.

@@ -11,12 +11,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr int kDatagrams = 20'000;
+constexpr int kDelayed = 20'000;
 
 std::vector<double> delays_s(const DelayConfig& config, std::uint64_t seed = 1) {
   const RandomDelay delay(config, seed);
   std::vector<double> delays;
-  for (std::uint64_t i = 0; i < kDatagrams; ++i) delays.push_back(to_seconds(delay.of(i)));
+  for (std::uint64_t i = 0; i < kDelayed; ++i) delays.push_back(to_seconds(delay.of(i)));
   return delays;
 }
 
@@ -35,10 +35,10 @@ TEST(RandomDelay, HasAnExponentialJitter) {
   double distance = 0.0;
   for (std::size_t i = 0; i < delays.size(); ++i) {
     const double expected = 1.0 - std::exp(-(delays[i] - kDelay) / kJitter);
-    const double measured = (static_cast<double>(i) + 0.5) / kDatagrams;
+    const double measured = (static_cast<double>(i) + 0.5) / kDelayed;
     distance = std::max(distance, std::abs(measured - expected));
   }
-  EXPECT_LT(distance, 2.2 / std::sqrt(kDatagrams));
+  EXPECT_LT(distance, 2.2 / std::sqrt(kDelayed));
 }
 
 // As RFC 3550 measures it. The difference is exponential again, with the same mean; neighbouring
@@ -48,7 +48,7 @@ TEST(RandomDelay, DiffersByTheJitterFromOneDatagramToTheNext) {
   const std::vector<double> delays = delays_s({.jitter_s = kJitter}, 2);
   double sum = 0.0;
   for (std::size_t i = 1; i < delays.size(); ++i) sum += std::abs(delays[i] - delays[i - 1]);
-  EXPECT_NEAR(sum / (kDatagrams - 1), kJitter, 5.0 * kJitter * std::sqrt(3.0 / kDatagrams));
+  EXPECT_NEAR(sum / (kDelayed - 1), kJitter, 5.0 * kJitter * std::sqrt(3.0 / kDelayed));
 }
 
 TEST(RandomDelay, HoldsBackTheShareThatIsToBeReordered) {
@@ -56,9 +56,9 @@ TEST(RandomDelay, HoldsBackTheShareThatIsToBeReordered) {
   const auto delays =
       delays_s({.delay_s = 0.1, .reordering = kShare, .reordering_delay_s = 0.3}, 3);
   const auto late = static_cast<double>(std::ranges::count(delays, 0.4));
-  EXPECT_EQ(std::ranges::count(delays, 0.1) + static_cast<int>(late), kDatagrams);
-  const double sigma = std::sqrt(kShare * (1.0 - kShare) / kDatagrams);
-  EXPECT_NEAR(late / kDatagrams, kShare, 5.0 * sigma);
+  EXPECT_EQ(std::ranges::count(delays, 0.1) + static_cast<int>(late), kDelayed);
+  const double sigma = std::sqrt(kShare * (1.0 - kShare) / kDelayed);
+  EXPECT_NEAR(late / kDelayed, kShare, 5.0 * sigma);
 }
 
 TEST(RandomDelay, OfACopyIsAnother) {

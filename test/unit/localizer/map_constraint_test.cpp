@@ -17,7 +17,7 @@
 namespace fleetloc {
 namespace {
 
-const Pose kPose{exp_so3({0.3, -0.5, 2.0}), {1.0, -2.0, 0.5}};
+const Pose kMatchedPose{exp_so3({0.3, -0.5, 2.0}), {1.0, -2.0, 0.5}};
 
 // Matches on planes given by their normals, 3 m from the middle, with noise on the normals.
 std::vector<MapMatch> matches_on(const std::vector<Eigen::Vector3d>& normals, int per_plane) {
@@ -49,7 +49,7 @@ TEST(TiltFactor, HasTheJacobianOfItsResidualAndIsBlindToYawAndPosition) {
     factor.Evaluate(parameters.data(), r.data(), nullptr);
     return r;
   };
-  const PoseParameters values = to_parameters(kPose);
+  const PoseParameters values = to_parameters(kMatchedPose);
   const std::array<const double*, 1> parameters{values.data()};
   Eigen::Vector2d r;
   Eigen::Matrix<double, 2, 7, Eigen::RowMajor> J;
@@ -58,22 +58,24 @@ TEST(TiltFactor, HasTheJacobianOfItsResidualAndIsBlindToYawAndPosition) {
   for (int i = 0; i < 6; ++i) {
     const Vector6d step = 1e-6 * Vector6d::Unit(i);
     const Eigen::Vector2d numeric =
-        (residual(retract(kPose, step)) - residual(retract(kPose, -step))) / 2e-6;
+        (residual(retract(kMatchedPose, step)) - residual(retract(kMatchedPose, -step))) / 2e-6;
     EXPECT_LT((J.col(i) - numeric).norm(), 1e-6);
   }
-  const Pose turned{exp_so3({0.0, 0.0, 1.0}) * kPose.R, kPose.p + Eigen::Vector3d(1.0, 2.0, 3.0)};
+  const Pose turned{exp_so3({0.0, 0.0, 1.0}) * kMatchedPose.R,
+                    kMatchedPose.p + Eigen::Vector3d(1.0, 2.0, 3.0)};
   EXPECT_LT((residual(turned) - r).norm(), 1e-9);
 }
 
 TEST(WindowMotion, MovesABodyAsItsJacobianSays) {
   const WindowMotion motion{{0.5, 1.5, -1.0}, 2.5};
-  const Matrix6d J = motion.J_body_motion(kPose);
+  const Matrix6d J = motion.J_body_motion(kMatchedPose);
   for (int i = 0; i < 6; ++i) {
     const Vector6d coordinates = 1e-6 * Vector6d::Unit(i);
     const Eigen::Quaterniond R = exp_so3(coordinates.head<3>() / motion.lever_m);
-    const Pose moved{R * kPose.R,
-                     motion.center_map + R * (kPose.p - motion.center_map) + coordinates.tail<3>()};
-    EXPECT_LT((local_coordinates(kPose, moved) / 1e-6 - J.col(i)).norm(), 1e-5);
+    const Pose moved{
+        R * kMatchedPose.R,
+        motion.center_map + R * (kMatchedPose.p - motion.center_map) + coordinates.tail<3>()};
+    EXPECT_LT((local_coordinates(kMatchedPose, moved) / 1e-6 - J.col(i)).norm(), 1e-5);
   }
 }
 
@@ -128,18 +130,19 @@ TEST(WeakDirections, AreNeverClaimedToBeKnownBetterThanBefore) {
   const Matrix6d wide = 0.04 * Matrix6d::Identity();
   const Matrix6d narrow = 1e-4 * Matrix6d::Identity();
 
-  const Matrix6d W = motion.J_body_motion(kPose).inverse();
+  const Matrix6d W = motion.J_body_motion(kMatchedPose).inverse();
   const Matrix6d expected = W * wide * W.transpose();
   const Matrix6d known = W * narrow * W.transpose();
-  const Matrix6d widened = W * widened_along(weak, motion, {kPose, narrow}, wide) * W.transpose();
+  const Matrix6d widened =
+      W * widened_along(weak, motion, {kMatchedPose, narrow}, wide) * W.transpose();
   EXPECT_NEAR(widened(3, 3), expected(3, 3), 1e-9);
   EXPECT_NEAR(widened(2, 2), expected(2, 2), 1e-9);
   EXPECT_NEAR(widened(4, 4), known(4, 4), 1e-9);
-  EXPECT_NEAR(weak_sigma(weak, motion, {kPose, narrow}),
+  EXPECT_NEAR(weak_sigma(weak, motion, {kMatchedPose, narrow}),
               std::sqrt(std::max(known(3, 3), known(2, 2))),
               1e-9);
-  EXPECT_TRUE(widened_along(weak, motion, {kPose, wide}, narrow).isApprox(wide));
-  EXPECT_EQ(weak_sigma(WeakDirections(6, 0), motion, {kPose, wide}), 0.0);
+  EXPECT_TRUE(widened_along(weak, motion, {kMatchedPose, wide}, narrow).isApprox(wide));
+  EXPECT_EQ(weak_sigma(WeakDirections(6, 0), motion, {kMatchedPose, wide}), 0.0);
 }
 
 TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {

@@ -9,7 +9,8 @@
 namespace fleetloc {
 namespace {
 
-constexpr GroundConfig kConfig{.near_m = 12.0, .band_m = 0.4, .min_share = 0.15, .max_slope = 0.03};
+constexpr GroundConfig kGroundConfig{
+    .near_m = 12.0, .band_m = 0.4, .min_share = 0.15, .max_slope = 0.03};
 constexpr double kCameraHeight = 0.9;  // [m]
 
 /// A robot that drives up a ramp of 2 %, with walls to both sides.
@@ -46,10 +47,10 @@ struct Drive {
 
 TEST(AboveGround, LeavesOutTheGroundOfARampAndKeepsTheWalls) {
   const Drive drive(0.5);
-  const auto height = camera_height(drive.all(), kConfig);
+  const auto height = camera_height(drive.all(), kGroundConfig);
   ASSERT_TRUE(height);
   EXPECT_NEAR(*height, kCameraHeight, 0.25);
-  const auto kept = above_ground(drive.all(), kConfig);
+  const auto kept = above_ground(drive.all(), kGroundConfig);
   const auto on_ground = std::ranges::count_if(
       kept, [](const SeenLandmark& seen) { return std::abs(seen.p.y()) != 6.0; });
   EXPECT_LE(on_ground, 5);
@@ -58,9 +59,9 @@ TEST(AboveGround, LeavesOutTheGroundOfARampAndKeepsTheWalls) {
 
 TEST(AboveGround, KeepsAllIfNoGroundIsSeen) {
   const Drive drive(0.0);
-  EXPECT_FALSE(camera_height(drive.all(), kConfig));
-  EXPECT_EQ(above_ground(drive.all(), kConfig).size(), drive.walls.size());
-  EXPECT_TRUE(above_ground({}, kConfig).empty());
+  EXPECT_FALSE(camera_height(drive.all(), kGroundConfig));
+  EXPECT_EQ(above_ground(drive.all(), kGroundConfig).size(), drive.walls.size());
+  EXPECT_TRUE(above_ground({}, kGroundConfig).empty());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace fleetloc {
 namespace {
 
-Camera camera_with(Camera::Distortion distortion, const Eigen::Vector4d& coefficients) {
+Camera wide_camera_with(Camera::Distortion distortion, const Eigen::Vector4d& coefficients) {
   return {.width_px = 512,
           .height_px = 512,
           .focal_px = {190.9, 191.4},
@@ -64,8 +64,8 @@ void expect_same(const Camera& camera,
 }
 
 TEST(CameraAndOpenCv, AgreeOnTheEquidistantModelUpToSeventyDegrees) {
-  const Camera camera =
-      camera_with(Camera::Distortion::kEquidistant, {0.0034823, 0.0007150, -0.0020532, 0.0002029});
+  const Camera camera = wide_camera_with(Camera::Distortion::kEquidistant,
+                                         {0.0034823, 0.0007150, -0.0020532, 0.0002029});
   const std::vector<cv::Point3d> points = points_up_to(1.95);  // 70 degrees in the corners
   std::vector<cv::Point2d> pixels;
   cv::fisheye::projectPoints(
@@ -75,7 +75,7 @@ TEST(CameraAndOpenCv, AgreeOnTheEquidistantModelUpToSeventyDegrees) {
 
 TEST(CameraAndOpenCv, AgreeOnTheRadialTangentialModel) {
   const Camera camera =
-      camera_with(Camera::Distortion::kRadialTangential, {-0.28, 0.07, 2e-4, 1.8e-5});
+      wide_camera_with(Camera::Distortion::kRadialTangential, {-0.28, 0.07, 2e-4, 1.8e-5});
   const std::vector<cv::Point3d> points = points_up_to(0.6);
   std::vector<cv::Point2d> pixels;
   cv::projectPoints(

@@ -10,7 +10,7 @@
 namespace fleetloc {
 namespace {
 
-const MotionMagnitudes kLimits{
+const MotionMagnitudes kRouteLimits{
     .speed = 2.0, .acceleration = 1.0, .turn_rate = 0.8, .angular_acceleration = 3.0};
 
 WaypointRoute block() {
@@ -25,19 +25,19 @@ WaypointRoute block() {
 
 TEST(WaypointMotion, KeepsTheLimitsAndGoesTheWay) {
   const WaypointRoute route = block();
-  const SplineMotion motion = drive(route, kLimits);
+  const SplineMotion motion = drive(route, kRouteLimits);
   const MotionMagnitudes most = extremes(motion);
   EXPECT_NEAR(most.speed, route.speed, 0.02);
-  EXPECT_LT(most.acceleration, kLimits.acceleration);
-  EXPECT_GT(most.acceleration, 0.2 * kLimits.acceleration);
-  EXPECT_LT(most.turn_rate, kLimits.turn_rate);
-  EXPECT_LT(most.angular_acceleration, kLimits.angular_acceleration);
+  EXPECT_LT(most.acceleration, kRouteLimits.acceleration);
+  EXPECT_GT(most.acceleration, 0.2 * kRouteLimits.acceleration);
+  EXPECT_LT(most.turn_rate, kRouteLimits.turn_rate);
+  EXPECT_LT(most.angular_acceleration, kRouteLimits.angular_acceleration);
   const double around = 30.0 + 20.0 + std::hypot(30.0, 5.0) + 25.0;
   EXPECT_NEAR(length_m(motion), 2.0 * around, 0.06 * 2.0 * around);  // corners are cut
 }
 
 TEST(WaypointMotion, RestsAtTheStartAndEndsAtRest) {
-  const SplineMotion motion = drive(block(), kLimits);
+  const SplineMotion motion = drive(block(), kRouteLimits);
   for (const double time_s : {0.0, 1.0, 1.8, motion.duration()}) {
     const MotionState state = motion.at(time_s);
     EXPECT_LT(state.v_map.norm(), 2e-3) << time_s;
@@ -51,7 +51,7 @@ TEST(WaypointMotion, LooksAlongItsWayAndFollowsTheSlope) {
   const auto slope = [](double x, double y) { return 0.1 * x - 0.03 * y; };
   WaypointRoute route = block();
   for (Eigen::Vector3d& p : route.waypoints_m) p.z() = slope(p.x(), p.y());
-  const SplineMotion motion = drive(route, kLimits);
+  const SplineMotion motion = drive(route, kRouteLimits);
   for (int i = 0; 6.0 + 0.7 * i < motion.duration() - 4.0; ++i) {
     const double time_s = 6.0 + 0.7 * i;
     const MotionState state = motion.at(time_s);
@@ -69,7 +69,7 @@ TEST(WaypointMotion, SurvivesATurnOnTheSpot) {
   for (const auto& [x, y] : {std::pair{0.0, 0.0}, {10.0, 0.0}, {0.0, 0.0}}) {
     route.waypoints_m.emplace_back(x, y, 0.0);
   }
-  const MotionMagnitudes most = extremes(drive(route, kLimits));
+  const MotionMagnitudes most = extremes(drive(route, kRouteLimits));
   EXPECT_TRUE(std::isfinite(most.angular_acceleration));
   EXPECT_LT(most.speed, 1.3);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "shared/geometry/so3.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
@@ -14,10 +15,6 @@ constexpr OdometryHealth::Config kConfig{.max_vision_lost_s = 3.0,
                                          .max_speed = 20.0,
                                          .max_gyroscope_bias = 0.3,
                                          .max_accelerometer_bias = 1.5};
-
-Timestamp at(double seconds) {
-  return Timestamp{from_seconds(seconds)};
-}
 
 WindowEstimate healthy_window() {
   WindowEstimate window;

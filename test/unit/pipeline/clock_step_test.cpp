@@ -7,6 +7,7 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "test/simulated_setup.hpp"
 #include "test/truthful_localizer.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
@@ -14,10 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kUnseen = 5ms;
-
-double second_of(Timestamp stamp) {
-  return to_seconds(stamp - Timestamp{});
-}
 
 TEST(ContinuousTime, GivesStampsByTheClockAsItWasThen) {
   const auto at = [](Duration time) { return Timestamp{time}; };

@@ -11,13 +11,10 @@
 #include "robot/pipeline/robot_pipeline.hpp"
 #include "test/simulated_setup.hpp"
 #include "test/truthful_localizer.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
-
-double second_of(Timestamp stamp) {
-  return to_seconds(stamp - Timestamp{});
-}
 
 class RobotReset : public testing::Test {
  protected:

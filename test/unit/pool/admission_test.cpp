@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 class AdmissionTest : public testing::Test {
  protected:

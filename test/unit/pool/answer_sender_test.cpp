@@ -4,12 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 Answer some_answer() {
   LocalizationResult result;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -10,10 +12,6 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 constexpr SessionNumber kSession{3};
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 SubmapSample sample(std::uint32_t number, const RobotId& robot = "robot") {
   SubmapSample sample;

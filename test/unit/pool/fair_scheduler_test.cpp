@@ -7,16 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-Timestamp at(int ms) {
-  return Timestamp{milliseconds(ms)};
-}
 
 class FairSchedulerTest : public testing::Test {
  protected:
@@ -32,9 +30,9 @@ class FairSchedulerTest : public testing::Test {
 };
 
 TEST_F(FairSchedulerTest, RobotsThatHaveUsedAsMuchTakeTurns) {
-  for (const char* robot : {"b", "a", "c"}) scheduler_.add(robot, at(0));
+  for (const char* robot : {"b", "a", "c"}) scheduler_.add(robot, at_ms(0));
   EXPECT_EQ(serve(10), "a");
-  scheduler_.add("a", at(1));
+  scheduler_.add("a", at_ms(1));
   EXPECT_EQ(serve(10), "b");
   EXPECT_EQ(serve(10), "c");
   EXPECT_EQ(serve(10), "a");
@@ -44,66 +42,66 @@ TEST_F(FairSchedulerTest, RobotsThatHaveUsedAsMuchTakeTurns) {
 TEST_F(FairSchedulerTest, SharesTimeEvenlyWhateverTheJobsTake) {
   const std::map<RobotId, int> job_ms{{"quick", 10}, {"slow", 70}, {"slower", 150}};
   std::map<RobotId, int> used_ms;
-  for (const auto& [robot, ms] : job_ms) scheduler_.add(robot, at(0));
+  for (const auto& [robot, ms] : job_ms) scheduler_.add(robot, at_ms(0));
   for (int i = 0; i < 10'000; ++i) {
     const auto turn = scheduler_.take();
     ASSERT_TRUE(turn.has_value());
     scheduler_.finish(*turn, milliseconds(job_ms.at(turn->robot)));
     used_ms[turn->robot] += job_ms.at(turn->robot);
-    scheduler_.add(turn->robot, at(i));
+    scheduler_.add(turn->robot, at_ms(i));
   }
   EXPECT_NEAR(used_ms["quick"], used_ms["slow"], 150);
   EXPECT_NEAR(used_ms["slow"], used_ms["slower"], 150);
 }
 
 TEST_F(FairSchedulerTest, ARobotThatAlwaysHasWorkDoesNotStarveTheOthers) {
-  scheduler_.add("patient", at(0));
+  scheduler_.add("patient", at_ms(0));
   for (int i = 0; i < 3; ++i) {
-    scheduler_.add("busy", at(i));
+    scheduler_.add("busy", at_ms(i));
     EXPECT_EQ(serve(1), i == 1 ? "patient" : "busy");
   }
 }
 
 TEST_F(FairSchedulerTest, ANewcomerStartsAtTheVirtualTime) {
-  scheduler_.add("old", at(0));
+  scheduler_.add("old", at_ms(0));
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(serve(50), "old");
-    scheduler_.add("old", at(i));
+    scheduler_.add("old", at_ms(i));
   }
-  scheduler_.add("new", at(100));
+  scheduler_.add("new", at_ms(100));
   EXPECT_EQ(serve(50), "new");
-  scheduler_.add("new", at(100));
+  scheduler_.add("new", at_ms(100));
   int turns_of_old = 0;
   for (int i = 0; i < 20; ++i) {
     const RobotId robot = serve(50);
     if (robot == "old") ++turns_of_old;
-    scheduler_.add(robot, at(i));
+    scheduler_.add(robot, at_ms(i));
   }
   EXPECT_NEAR(turns_of_old, 10, 1) << "five seconds that it was not here are not made up for";
 }
 
 TEST_F(FairSchedulerTest, AnAbsenceSavesNoTimeUp) {
-  for (const char* robot : {"a", "b"}) scheduler_.add(robot, at(0));
+  for (const char* robot : {"a", "b"}) scheduler_.add(robot, at_ms(0));
   EXPECT_EQ(serve(10), "a");
   EXPECT_EQ(serve(10), "b");
   for (int i = 0; i < 50; ++i) {  // without a
-    scheduler_.add("b", at(i));
+    scheduler_.add("b", at_ms(i));
     EXPECT_EQ(serve(10), "b");
   }
   int turns_of_a = 0;
   for (int i = 0; i < 20; ++i) {
-    for (const char* robot : {"a", "b"}) scheduler_.add(robot, at(i));
+    for (const char* robot : {"a", "b"}) scheduler_.add(robot, at_ms(i));
     if (serve(10) == "a") ++turns_of_a;
   }
   EXPECT_NEAR(turns_of_a, 10, 1) << "half a second of work of b is not made up for";
 }
 
 TEST_F(FairSchedulerTest, ARobotHasOneTurnAtATime) {
-  scheduler_.add("a", at(0));
+  scheduler_.add("a", at_ms(0));
   const auto turn = scheduler_.take();
   ASSERT_TRUE(turn.has_value());
   EXPECT_TRUE(scheduler_.is_running("a"));
-  scheduler_.add("a", at(1));
+  scheduler_.add("a", at_ms(1));
   EXPECT_FALSE(scheduler_.take().has_value());
   scheduler_.finish(*turn, milliseconds(5));
   EXPECT_FALSE(scheduler_.is_running("a"));
@@ -111,45 +109,45 @@ TEST_F(FairSchedulerTest, ARobotHasOneTurnAtATime) {
 }
 
 TEST_F(FairSchedulerTest, WorkOfARobotThatHasStoppedSendingIsDropped) {
-  scheduler_.add("a", at(0));
-  scheduler_.add("b", at(0));
-  scheduler_.add("b", at(1000));  // still sends
-  EXPECT_THAT(scheduler_.drop_stale(at(2000)), IsEmpty());
-  EXPECT_THAT(scheduler_.drop_stale(at(2001)), ElementsAre("a"));
-  EXPECT_THAT(scheduler_.drop_stale(at(2001)), IsEmpty());
+  scheduler_.add("a", at_ms(0));
+  scheduler_.add("b", at_ms(0));
+  scheduler_.add("b", at_ms(1000));  // still sends
+  EXPECT_THAT(scheduler_.drop_stale(at_ms(2000)), IsEmpty());
+  EXPECT_THAT(scheduler_.drop_stale(at_ms(2001)), ElementsAre("a"));
+  EXPECT_THAT(scheduler_.drop_stale(at_ms(2001)), IsEmpty());
   EXPECT_EQ(serve(1), "b");
   EXPECT_EQ(serve(1), "nobody");
 }
 
 TEST_F(FairSchedulerTest, WorkThatWaitsForItsOwnRobotsJobIsNotStale) {
-  scheduler_.add("a", at(0));
+  scheduler_.add("a", at_ms(0));
   const auto turn = scheduler_.take();
-  scheduler_.add("a", at(10));
-  EXPECT_THAT(scheduler_.drop_stale(at(5000)), IsEmpty());
+  scheduler_.add("a", at_ms(10));
+  EXPECT_THAT(scheduler_.drop_stale(at_ms(5000)), IsEmpty());
   scheduler_.finish(turn.value(), milliseconds(5000));
-  EXPECT_THAT(scheduler_.drop_stale(at(5000)), ElementsAre("a"));
+  EXPECT_THAT(scheduler_.drop_stale(at_ms(5000)), ElementsAre("a"));
 }
 
 TEST_F(FairSchedulerTest, DroppedWorkGetsNoTurn) {
-  scheduler_.add("a", at(0));
+  scheduler_.add("a", at_ms(0));
   scheduler_.drop_work("a");
   EXPECT_EQ(serve(1), "nobody");
-  scheduler_.add("a", at(1));
+  scheduler_.add("a", at_ms(1));
   EXPECT_EQ(serve(1), "a");
 }
 
 TEST_F(FairSchedulerTest, TheTurnOfAnErasedRobotEndsWithoutEffect) {
-  scheduler_.add("a", at(0));
+  scheduler_.add("a", at_ms(0));
   const auto earlier = scheduler_.take();
   scheduler_.erase("a");
   EXPECT_FALSE(scheduler_.is_running("a"));
-  scheduler_.add("a", at(1));  // it has come back
+  scheduler_.add("a", at_ms(1));  // it has come back
   const auto later = scheduler_.take();
   scheduler_.finish(earlier.value(), milliseconds(1000));
   EXPECT_TRUE(scheduler_.is_running("a"));
   scheduler_.finish(later.value(), milliseconds(10));
-  scheduler_.add("a", at(2));
-  scheduler_.add("b", at(2));
+  scheduler_.add("a", at_ms(2));
+  scheduler_.add("b", at_ms(2));
   EXPECT_EQ(serve(1), "b") << "a has used ten milliseconds";
 }
 
@@ -204,13 +202,13 @@ TEST_F(FairSchedulerTest, ChoosesWhomAScanOfAllRobotsWould) {
   for (int ms = 0; ms < 20'000; ++ms) {
     const RobotId robot = "robot_" + std::to_string(random() % 40);
     if (random() % 3 != 0) {
-      scheduler_.add(robot, at(ms));
-      scan.add(robot, at(ms));
+      scheduler_.add(robot, at_ms(ms));
+      scan.add(robot, at_ms(ms));
     }
     if (random() % 50 == 0) {
-      auto stale = scheduler_.drop_stale(at(ms));
+      auto stale = scheduler_.drop_stale(at_ms(ms));
       std::ranges::sort(stale);
-      EXPECT_EQ(stale, scan.drop_stale(at(ms)));
+      EXPECT_EQ(stale, scan.drop_stale(at_ms(ms)));
     }
     if (running.size() < 4 && random() % 4 == 0) {
       const auto turn = scheduler_.take();

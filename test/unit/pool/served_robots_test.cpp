@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
-
-Timestamp at(double seconds) {
-  return Timestamp{from_seconds(seconds)};
-}
 
 TEST(ServedRobots, HaveThePoseOfTheirNewestAnswer) {
   ServedRobots robots("localizer_1");

@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "shared/wire/status_codec.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
 
 using Change = SessionProtocol::Change;
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 RobotSession session_of(const RobotId& robot, double start_s = 1.0) {
   RobotSession session;

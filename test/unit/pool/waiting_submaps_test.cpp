@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -11,10 +13,6 @@ Submap submap(std::uint32_t number) {
   Submap result;
   result.number = SampleNumber{number};
   return result;
-}
-
-Timestamp at(int s) {
-  return Timestamp{std::chrono::seconds(s)};
 }
 
 TEST(WaitingSubmaps, AreTakenInTheOrderInWhichTheyCame) {

@@ -5,13 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "shared/link/link_model.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 ByteBudget::Config some_config() {
   return {.max_bytes_per_s = 3000.0,

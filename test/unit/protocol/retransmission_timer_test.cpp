@@ -2,28 +2,24 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
-using std::chrono::milliseconds;
-
-Timestamp at(int ms) {
-  return Timestamp{milliseconds(ms)};
-}
-
-constexpr RetransmissionTimer::Config kConfig{
+constexpr RetransmissionTimer::Config kTimerConfig{
     .max_interval_s = 1.0, .min_interval_s = 0.2, .full_rate_loss = 0.5};
 
 int repeats_in_ten_seconds(double loss) {
-  RetransmissionTimer retransmission(kConfig);
-  retransmission.sent(at(0));
+  RetransmissionTimer retransmission(kTimerConfig);
+  retransmission.sent(at_ms(0));
   int count = 0;
-  for (int ms = 0; ms <= 10'000; ms += 10) count += retransmission.due(at(ms), loss) ? 1 : 0;
+  for (int ms = 0; ms <= 10'000; ms += 10) count += retransmission.due(at_ms(ms), loss) ? 1 : 0;
   return count;
 }
 
 TEST(RetransmissionTimer, HasNothingToRepeatBeforeTheFirstMessage) {
-  EXPECT_FALSE(RetransmissionTimer(kConfig).due(at(10'000), 1.0));
+  EXPECT_FALSE(RetransmissionTimer(kTimerConfig).due(at_ms(10'000), 1.0));
 }
 
 TEST(RetransmissionTimer, IsTheMoreFrequentTheMoreTheNetworkLoses) {
@@ -35,11 +31,11 @@ TEST(RetransmissionTimer, IsTheMoreFrequentTheMoreTheNetworkLoses) {
 }
 
 TEST(RetransmissionTimer, StartsAnewWithANewMessage) {
-  RetransmissionTimer retransmission(kConfig);
-  retransmission.sent(at(0));
-  retransmission.sent(at(900));
-  EXPECT_FALSE(retransmission.due(at(1000), 0.0));
-  EXPECT_TRUE(retransmission.due(at(1900), 0.0));
+  RetransmissionTimer retransmission(kTimerConfig);
+  retransmission.sent(at_ms(0));
+  retransmission.sent(at_ms(900));
+  EXPECT_FALSE(retransmission.due(at_ms(1000), 0.0));
+  EXPECT_TRUE(retransmission.due(at_ms(1900), 0.0));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -9,10 +11,6 @@ constexpr std::string_view kAccepted = "accepted";
 
 std::string_view outcome(SessionRegister::Acceptance acceptance) {
   return acceptance ? kAccepted : name(acceptance.error());
-}
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
 }
 
 RobotSession session(double start_s, std::uint32_t number, const RobotId& robot = "robot") {

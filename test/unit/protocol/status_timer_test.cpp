@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "test/unit/timestamps.hpp"
+
 namespace fleetloc {
 namespace {
-
-Timestamp at(double s) {
-  return Timestamp{from_seconds(s)};
-}
 
 TEST(StatusTimer, IsDueAtOnceThenSeldomAndSoonAfterAChange) {
   StatusTimer timer({.interval_s = 10.0, .min_interval_s = 1.0});

@@ -5,15 +5,12 @@
 
 #include "shared/protocol/submap_receiver.hpp"
 #include "shared/protocol/submap_sender.hpp"
+#include "test/unit/timestamps.hpp"
 
 namespace fleetloc {
 namespace {
 
 using std::chrono::milliseconds;
-
-Timestamp at(int ms) {
-  return Timestamp{milliseconds(ms)};
-}
 
 Submap with_keyframe(std::uint32_t id) {
   Submap submap;
@@ -99,11 +96,11 @@ TEST(SubmapSender, NumbersSamplesFromZeroInEachSession) {
   SubmapSender sender;
   sender.restart(SessionNumber{1}, Incarnation{1});
   Submap submap = with_keyframe(1);
-  sender.prepare(submap, at(0));
-  sender.prepare(submap, at(1));
+  sender.prepare(submap, at_ms(0));
+  sender.prepare(submap, at_ms(1));
   EXPECT_EQ(submap.number, SampleNumber{1});
   sender.restart(SessionNumber{2}, Incarnation{1});
-  sender.prepare(submap, at(2));
+  sender.prepare(submap, at_ms(2));
   EXPECT_EQ(submap.number, SampleNumber{0});
   EXPECT_EQ(submap.session, SessionNumber{2});
 }
@@ -112,12 +109,12 @@ TEST(SubmapSender, UsesNoNumberAgainThatAnotherSenderHasUsedInThisSession) {
   SubmapSender sender;
   sender.restart(SessionNumber{1}, Incarnation{1});
   Submap submap = with_keyframe(1);
-  sender.prepare(submap, at(0));
+  sender.prepare(submap, at_ms(0));
   sender.restart(SessionNumber{1}, Incarnation{2}, 7);
-  sender.prepare(submap, at(1));
+  sender.prepare(submap, at_ms(1));
   EXPECT_EQ(submap.number, SampleNumber{7});
   sender.restart(SessionNumber{1}, Incarnation{1}, 3);
-  sender.prepare(submap, at(2));
+  sender.prepare(submap, at_ms(2));
   EXPECT_EQ(submap.number, SampleNumber{8});
 }
 
@@ -128,10 +125,10 @@ TEST(SubmapSender, MeasuresRoundTripAndLoss) {
   for (std::uint32_t i = 0; i < 40; ++i) {
     Submap submap = with_keyframe(i);
     const int now = static_cast<int>(i) * 100;
-    sender.prepare(submap, at(now));
+    sender.prepare(submap, at_ms(now));
     if (i % 2 == 1) continue;  // lost
     receiver.store(submap.number, {});
-    sender.acknowledge(answer_to(i, receiver), at(now + 80));
+    sender.acknowledge(answer_to(i, receiver), at_ms(now + 80));
   }
   ASSERT_TRUE(sender.round_trip().has_value());
   EXPECT_EQ(*sender.round_trip(), milliseconds(80));
@@ -143,16 +140,16 @@ TEST(SubmapSender, TimesTheNetworkByTheSampleThatArrivedAndNotByOneThatWasLost) 
   SubmapReceiver receiver;
   sender.restart(SessionNumber{1}, Incarnation{1});
   Submap submap = with_keyframe(7);
-  sender.prepare(submap, at(0));  // lost
-  sender.prepare(submap, at(1000));
-  receiver.store(submap.number, at(1030));
+  sender.prepare(submap, at_ms(0));  // lost
+  sender.prepare(submap, at_ms(1000));
+  receiver.store(submap.number, at_ms(1030));
   LocalizationResult answer = answer_to(7, receiver);
-  answer.holding_time = receiver.since_newest(at(1110));
-  EXPECT_EQ(sender.acknowledge(answer, at(1140)), milliseconds(60));
+  answer.holding_time = receiver.since_newest(at_ms(1110));
+  EXPECT_EQ(sender.acknowledge(answer, at_ms(1140)), milliseconds(60));
   EXPECT_EQ(sender.round_trip(), milliseconds(140));
   // A repeated one tells of the network, too, but not how long the answer took.
-  answer.holding_time = receiver.since_newest(at(3110));
-  EXPECT_EQ(sender.acknowledge(answer, at(3150)), milliseconds(70));
+  answer.holding_time = receiver.since_newest(at_ms(3110));
+  EXPECT_EQ(sender.acknowledge(answer, at_ms(3150)), milliseconds(70));
   EXPECT_EQ(sender.round_trip(), milliseconds(140));
 }
 
@@ -161,11 +158,11 @@ TEST(SubmapSender, RightAfterTheStartItReliesOnNoSample) {
   SubmapReceiver receiver;
   sender.restart(SessionNumber{1}, Incarnation{1});
   Submap submap = with_keyframe(7);
-  sender.prepare(submap, at(0));
-  EXPECT_GE(sender.expected_loss(at(10)), 0.5);
-  receiver.store(submap.number, at(10));
-  sender.acknowledge(answer_to(7, receiver), at(20));
-  EXPECT_LT(sender.expected_loss(at(20)), 0.25);
+  sender.prepare(submap, at_ms(0));
+  EXPECT_GE(sender.expected_loss(at_ms(10)), 0.5);
+  receiver.store(submap.number, at_ms(10));
+  sender.acknowledge(answer_to(7, receiver), at_ms(20));
+  EXPECT_LT(sender.expected_loss(at_ms(20)), 0.25);
 }
 
 TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
@@ -174,17 +171,17 @@ TEST(SubmapSender, ANewIncarnationVoidsTheAcknowledgements) {
   sender.restart(SessionNumber{1}, Incarnation{1});
   for (std::uint32_t i = 0; i < 10; ++i) {
     Submap submap = with_keyframe(i);
-    sender.prepare(submap, at(0));
+    sender.prepare(submap, at_ms(0));
     if (i == 0 || i == 9) receiver.store(submap.number, {});
   }
-  sender.acknowledge(answer_to(9, receiver), at(1));
+  sender.acknowledge(answer_to(9, receiver), at_ms(1));
   EXPECT_GT(sender.loss(), 0.5);
   sender.restart(SessionNumber{1}, Incarnation{2});
   EXPECT_EQ(sender.loss(), 0.0);
-  sender.acknowledge(answer_to(9, receiver, 1), at(3));  // late, from before the restart
+  sender.acknowledge(answer_to(9, receiver, 1), at_ms(3));  // late, from before the restart
   EXPECT_EQ(sender.loss(), 0.0);
   Submap submap = with_keyframe(10);
-  sender.prepare(submap, at(4));
+  sender.prepare(submap, at_ms(4));
   EXPECT_EQ(submap.incarnation, Incarnation{2});
   EXPECT_EQ(submap.number, SampleNumber{10});  // the session's
 }
@@ -198,13 +195,13 @@ TEST(SubmapSender, ItIsNotDeafenedByAnAcknowledgementOfWhatWasNeverSent) {
   wrong.incarnation = Incarnation{1};
   wrong.acknowledgements = {SampleNumber{4'000'000'000}, 1};
   EXPECT_FALSE(sender.is_of_stream(wrong));
-  sender.acknowledge(wrong, at(0));
+  sender.acknowledge(wrong, at_ms(0));
   for (std::uint32_t i = 0; i < 10; ++i) {
     Submap submap = with_keyframe(i);
-    sender.prepare(submap, at(0));
-    if (i == 0 || i == 9) receiver.store(submap.number, at(0));
+    sender.prepare(submap, at_ms(0));
+    if (i == 0 || i == 9) receiver.store(submap.number, at_ms(0));
   }
-  sender.acknowledge(answer_to(9, receiver), at(1));
+  sender.acknowledge(answer_to(9, receiver), at_ms(1));
   EXPECT_GT(sender.loss(), 0.5);
 }
 
@@ -214,10 +211,10 @@ TEST(SubmapSender, KnowsWhatAwaitsAnAnswer) {
   sender.restart(SessionNumber{1}, Incarnation{1});
   for (std::uint32_t i = 0; i < 3; ++i) {
     Submap submap = with_keyframe(i);
-    sender.prepare(submap, at(0));
+    sender.prepare(submap, at_ms(0));
   }
-  receiver.store(SampleNumber{1}, at(1));
-  sender.acknowledge(answer_to(1, receiver), at(1));
+  receiver.store(SampleNumber{1}, at_ms(1));
+  sender.acknowledge(answer_to(1, receiver), at_ms(1));
   EXPECT_FALSE(sender.awaits(KeyframeId{0}));
   EXPECT_FALSE(sender.awaits(KeyframeId{1}));
   EXPECT_TRUE(sender.awaits(KeyframeId{2}));

@@ -12,7 +12,7 @@ namespace fleetloc {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr Timestamp kStart{std::chrono::seconds(1000)};
+constexpr Timestamp kScanStart{std::chrono::seconds(1000)};
 constexpr float kHalf = 10.0F;
 
 /// A room about the origin, 20 m wide in each direction.
@@ -77,8 +77,8 @@ Pose lidar_pose(const Lidar& lidar, const SplineMotion& motion, std::uint64_t sc
 TEST(Lidar, WithoutNoisePutsEveryPointOnTheWallsFromThePoseOfItsOwnTime) {
   const Lidar lidar(config_of(0.0, 0.0), 1);
   const SplineMotion motion = moving();
-  const LidarScan scan = lidar.scan(box(), motion, kStart, 12);
-  EXPECT_EQ(scan.stamp, kStart + std::chrono::milliseconds(1200));
+  const LidarScan scan = lidar.scan(box(), motion, kScanStart, 12);
+  EXPECT_EQ(scan.stamp, kScanStart + std::chrono::milliseconds(1200));
   ASSERT_EQ(scan.points.size(), 16U * 1800U);
   double with_motion = 0.0;
   double frozen = 0.0;
@@ -94,7 +94,7 @@ TEST(Lidar, WithoutNoisePutsEveryPointOnTheWallsFromThePoseOfItsOwnTime) {
 
 TEST(Lidar, HasItsRingsAndColumnsWhereTheyBelong) {
   const Lidar lidar(config_of(0.0, 0.0), 1);
-  const LidarScan scan = lidar.scan(box(), standing(), kStart, 0);
+  const LidarScan scan = lidar.scan(box(), standing(), kScanStart, 0);
   for (std::size_t i = 0; i < scan.points.size(); i += 37) {
     const LidarPoint& point = scan.points[i];
     const Eigen::Vector3f& p = point.p_lidar;
@@ -110,8 +110,8 @@ TEST(Lidar, RangeNoiseAndDropoutsAreAsConfigured) {
   const Lidar lidar(config_of(0.03, 0.1), 7);
   const Lidar exact(config_of(0.0, 0.0), 7);
   const SplineMotion motion = standing();
-  const auto noisy = lidar.scan(box(), motion, kStart, 3);
-  const auto truth = exact.scan(box(), motion, kStart, 3);
+  const auto noisy = lidar.scan(box(), motion, kScanStart, 3);
+  const auto truth = exact.scan(box(), motion, kScanStart, 3);
   EXPECT_NEAR(static_cast<double>(noisy.points.size()) / static_cast<double>(truth.points.size()),
               0.9,
               0.01);
@@ -133,14 +133,14 @@ TEST(Lidar, SeesNothingTooNearTooFarOrTooGrazing) {
   LidarConfig config = config_of(0.0, 0.0);
   config.max_m = 12.0;
   config.min_m = 10.5;
-  for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kStart, 0).points) {
+  for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kScanStart, 0).points) {
     EXPECT_LE(point.p_lidar.norm(), 12.0F);
     EXPECT_GE(point.p_lidar.norm(), 10.5F);
   }
   config = config_of(0.0, 0.0);
   config.max_incidence_rad = 20.0 * kDeg;
   config.calibration.T_body_lidar = {};
-  for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kStart, 0).points) {
+  for (const LidarPoint& point : Lidar(config, 1).scan(box(), standing(), kScanStart, 0).points) {
     EXPECT_GE(point.p_lidar.normalized().cwiseAbs().maxCoeff(), std::cos(20.1 * kDeg));
   }
 }
@@ -151,14 +151,14 @@ TEST(Lidar, IsTheSameForOneSeedInAnyOrderOfScans) {
   const Lidar other(config_of(0.03, 0.1), 8);
   const RayCaster world = box();
   const SplineMotion motion = moving();
-  const auto first = lidar.scan(world, motion, kStart, 2);
-  static_cast<void>(again.scan(world, motion, kStart, 5));
-  const auto second = again.scan(world, motion, kStart, 2);
+  const auto first = lidar.scan(world, motion, kScanStart, 2);
+  static_cast<void>(again.scan(world, motion, kScanStart, 5));
+  const auto second = again.scan(world, motion, kScanStart, 2);
   ASSERT_EQ(first.points.size(), second.points.size());
   for (std::size_t i = 0; i < first.points.size(); ++i) {
     ASSERT_EQ(first.points[i].p_lidar, second.points[i].p_lidar);
   }
-  EXPECT_NE(other.scan(world, motion, kStart, 2).points.size(), first.points.size());
+  EXPECT_NE(other.scan(world, motion, kScanStart, 2).points.size(), first.points.size());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "deploy/config/default_config.hpp"
 #include "robot/submap/submap_builder.hpp"
+#include "test/unit/submap/default_builder.hpp"
 #include "test/unit/submap/simulated_window.hpp"
 #include "test/unit/vio/simulated_vio.hpp"
 
@@ -12,13 +13,6 @@ namespace fleetloc {
 namespace {
 
 constexpr std::size_t kChain = 40;  // keyframes
-constexpr std::size_t kWindow = 10;
-
-SubmapBuilder::Config default_builder_config() {
-  return read_submap_builder_config(
-      ConfigReader::from_string(default_config("robot")).section("submap"));
-}
-
 struct Chain {
   std::vector<VirtualEdge> edges;  // as they were when they left the window, oldest first
   Pose T_first_last_truth;

@@ -8,17 +8,11 @@
 
 #include "deploy/config/default_config.hpp"
 #include "shared/wire/submap_codec.hpp"
+#include "test/unit/submap/default_builder.hpp"
 #include "test/unit/submap/simulated_window.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr std::size_t kWindow = 10;
-
-SubmapBuilder::Config default_builder_config() {
-  return read_submap_builder_config(
-      ConfigReader::from_string(default_config("robot")).section("submap"));
-}
 
 const SimulatedKeyframes& keyframes() {
   static const SimulatedKeyframes simulated(simulated_run(3, true), {}, 20, 1);

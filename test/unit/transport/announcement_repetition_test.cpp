@@ -20,7 +20,7 @@ Bytes info_destination(const GuidPrefix& to) {
   return submessage(0x0e, 1, {to.begin(), to.end()});
 }
 
-Bytes announcement(const GuidPrefix& from = kOther) {
+Bytes announced_by(const GuidPrefix& from = kOther) {
   const auto body =
       ByteWriter().u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1).zeros(8);
   return message_of({submessage(0x15, 1 | 4, body.written())}, from);
@@ -45,7 +45,7 @@ class AnnouncementRepetitionTest : public testing::Test {
 };
 
 TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver) {
-  ASSERT_EQ(hear(announcement()), milliseconds(500));
+  ASSERT_EQ(hear(announced_by()), milliseconds(500));
   EXPECT_EQ(repetition_.again(kOther), seconds(1));
   EXPECT_EQ(repetition_.again(kOther), seconds(2));
   EXPECT_LT(all_pauses(kOther), minutes(1));
@@ -54,13 +54,13 @@ TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver
 }
 
 TEST_F(AnnouncementRepetitionTest, IsToldOfEachOnce) {
-  ASSERT_TRUE(hear(announcement()));
-  EXPECT_FALSE(hear(announcement()));
-  EXPECT_TRUE(hear(announcement({1, 15, 9})));
+  ASSERT_TRUE(hear(announced_by()));
+  EXPECT_FALSE(hear(announced_by()));
+  EXPECT_TRUE(hear(announced_by({1, 15, 9})));
 }
 
 TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
-  ASSERT_TRUE(hear(announcement()));
+  ASSERT_TRUE(hear(announced_by()));
   EXPECT_FALSE(repetition_.is_known());
   EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
   EXPECT_TRUE(repetition_.is_known());
@@ -68,20 +68,20 @@ TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
 }
 
 TEST_F(AnnouncementRepetitionTest, GoesOnWhileOthersAreAddressed) {
-  ASSERT_TRUE(hear(announcement()));
+  ASSERT_TRUE(hear(announced_by()));
   EXPECT_FALSE(hear(message_of({info_destination({1, 15, 9}), ack_nack(1)}, kOther)));
   EXPECT_TRUE(repetition_.again(kOther));
 }
 
 TEST_F(AnnouncementRepetitionTest, LeavesAloneWhoKnowsItAlready) {
   EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
-  EXPECT_FALSE(hear(announcement()));
+  EXPECT_FALSE(hear(announced_by()));
   EXPECT_FALSE(repetition_.again(kOther));
 }
 
 TEST_F(AnnouncementRepetitionTest, IsOfAnnouncementsAlone) {
   EXPECT_FALSE(hear(message_of({heartbeat(1, 4)}, kOther)));
-  EXPECT_TRUE(hear(announcement()));
+  EXPECT_TRUE(hear(announced_by()));
 }
 
 }  // namespace

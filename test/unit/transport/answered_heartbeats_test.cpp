@@ -7,15 +7,17 @@
 namespace fleetloc {
 namespace {
 
-constexpr GuidPrefix kServer{0x44, 0x53}, kOther{0x44, 0x54};
+constexpr GuidPrefix kAnsweringServer{0x44, 0x53}, kSecondServer{0x44, 0x54};
 constexpr PeerAddressFilter::Locator kAtServer{.address = 1, .port = 11811};
 constexpr PeerAddressFilter::Locator kAtOther{.address = 2, .port = 11811};
 
 class AnsweredHeartbeatsTest : public testing::Test {
  protected:
-  AnsweredHeartbeatsTest() { answered_.watch({{kServer, {kAtServer}}, {kOther, {kAtOther}}}); }
+  AnsweredHeartbeatsTest() {
+    answered_.watch({{kAnsweringServer, {kAtServer}}, {kSecondServer, {kAtOther}}});
+  }
 
-  void acknowledge(std::uint64_t first_missing, const GuidPrefix& from = kServer) {
+  void acknowledge(std::uint64_t first_missing, const GuidPrefix& from = kAnsweringServer) {
     const auto body = ByteWriter()
                           .entity(kSubscriptionsReader)
                           .entity(kPublicationsWriter)

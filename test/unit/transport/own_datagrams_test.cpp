@@ -10,14 +10,14 @@
 namespace fleetloc {
 namespace {
 
-constexpr GuidPrefix kOwn{1, 15, 1};
-constexpr GuidPrefix kOther{1, 15, 2};
+constexpr GuidPrefix kSelf{1, 15, 1};
+constexpr GuidPrefix kForeign{1, 15, 2};
 
 TEST(OwnDatagrams, AreThoseOfTheParticipantThatSends) {
   OwnDatagrams own;
-  own.sent(message_of({heartbeat(1, 2)}, kOwn));
-  EXPECT_TRUE(own.includes(message_of({gap(1, 2)}, kOwn)));
-  EXPECT_FALSE(own.includes(message_of({heartbeat(1, 2)}, kOther)));
+  own.sent(message_of({heartbeat(1, 2)}, kSelf));
+  EXPECT_TRUE(own.includes(message_of({gap(1, 2)}, kSelf)));
+  EXPECT_FALSE(own.includes(message_of({heartbeat(1, 2)}, kForeign)));
 }
 
 TEST(OwnDatagrams, TellThoseOfTheSameProcess) {
@@ -33,13 +33,13 @@ TEST(OwnDatagrams, TellThoseOfTheSameProcess) {
 
 TEST(OwnDatagrams, AreNoneBeforeTheFirstIsSent) {
   const OwnDatagrams own;
-  EXPECT_FALSE(own.includes(message_of({}, kOwn)));
+  EXPECT_FALSE(own.includes(message_of({}, kSelf)));
   EXPECT_FALSE(own.includes(message_of({}, GuidPrefix{})));
 }
 
 TEST(OwnDatagrams, AreNotLearnedFromAPartOfAHeader) {
   OwnDatagrams own;
-  const Bytes whole = message_of({}, kOwn);
+  const Bytes whole = message_of({}, kSelf);
   own.sent(RtpsBytes(whole).first(whole.size() - 1));
   EXPECT_FALSE(own.includes(whole));
   own.sent(whole);
@@ -50,8 +50,8 @@ TEST(OwnDatagrams, AreNotLearnedFromAPartOfAHeader) {
 TEST(OwnDatagrams, AreKnownInFullOrNotAtAllToOtherThreads) {
   for (int round = 0; round < 100; ++round) {
     OwnDatagrams own;
-    const Bytes message = message_of({}, kOwn);
-    const Bytes others = message_of({}, kOther);
+    const Bytes message = message_of({}, kSelf);
+    const Bytes others = message_of({}, kForeign);
     std::atomic<bool> wrong = false;
     {
       const auto send = [&] { own.sent(message); };

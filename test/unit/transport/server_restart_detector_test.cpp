@@ -12,18 +12,18 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr GuidPrefix kServer{0x44, 0x53};
-constexpr GuidPrefix kOther{0x01, 0x0f};
+constexpr GuidPrefix kWatchedServer{0x44, 0x53};
+constexpr GuidPrefix kStranger{0x01, 0x0f};
 
 class ServerRestartDetectorTest : public testing::Test {
  protected:
-  ServerRestartDetectorTest() { watch_.watch({kServer}); }
+  ServerRestartDetectorTest() { watch_.watch({kWatchedServer}); }
 
   /// A datagram with a heartbeat behind something else.
   bool after(std::chrono::milliseconds pause,
              std::uint32_t count,
              std::uint32_t writer = kParticipantWriter,
-             const GuidPrefix& from = kServer) {
+             const GuidPrefix& from = kWatchedServer) {
     now_ += pause;
     // Who counts from one again has also forgotten its samples.
     const Bytes one = heartbeat(1, 4 + count, count, writer);
@@ -34,7 +34,8 @@ class ServerRestartDetectorTest : public testing::Test {
   /// What is to be taken of a heartbeat for the last sample that a server has.
   std::uint32_t count_of(std::uint32_t count, std::uint64_t last_sample) {
     now_ += seconds(3);
-    const Bytes datagram = message_of({gap(1, 3), heartbeat(1, last_sample, count)}, kServer);
+    const Bytes datagram =
+        message_of({gap(1, 3), heartbeat(1, last_sample, count)}, kWatchedServer);
     const auto changed = watch_.observe(datagram, now_);
     const Bytes& taken = changed ? *changed : datagram;
     EXPECT_EQ(taken.size(), datagram.size());
@@ -50,7 +51,7 @@ TEST_F(ServerRestartDetectorTest, SeesHeartbeatsThatCountFromOneAgain) {
   EXPECT_FALSE(after(seconds(3), 7));
   EXPECT_TRUE(after(seconds(2), 1));
   EXPECT_TRUE(after(seconds(3), 2)) << "known until a new participant is made";
-  watch_.watch({kServer});
+  watch_.watch({kWatchedServer});
   EXPECT_FALSE(after(seconds(3), 1)) << "the first that it hears";
 }
 
@@ -80,19 +81,19 @@ TEST_F(ServerRestartDetectorTest, GoesOnCountingWhereAServerGoesOnFromItsBackup)
 }
 
 TEST_F(ServerRestartDetectorTest, WatchesNobodyElse) {
-  EXPECT_FALSE(after(seconds(0), 7, kParticipantWriter, kOther));
-  EXPECT_FALSE(after(seconds(3), 1, kParticipantWriter, kOther));
+  EXPECT_FALSE(after(seconds(0), 7, kParticipantWriter, kStranger));
+  EXPECT_FALSE(after(seconds(3), 1, kParticipantWriter, kStranger));
 }
 
 TEST_F(ServerRestartDetectorTest, MayBeAskedAndSetWhileOthersObserve) {  // for ThreadSanitizer
-  const Bytes message = message_of({heartbeat(1, 4, 7)}, kServer);
+  const Bytes message = message_of({heartbeat(1, 4, 7)}, kWatchedServer);
   const auto observe = [&] {
     for (int i = 0; i < 1000; ++i) watch_.observe(message, now_);
   };
   const std::jthread first(observe);
   const std::jthread second(observe);
   for (int i = 0; i < 100; ++i) {
-    watch_.watch({kServer, kOther});
+    watch_.watch({kWatchedServer, kStranger});
     EXPECT_FALSE(watch_.has_restarted());
   }
 }

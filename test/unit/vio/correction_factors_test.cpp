@@ -12,7 +12,7 @@ namespace {
 const Pose kFrom = exp_se3((Vector6d() << 0.4, -0.2, 1.1, 1.0, 2.0, -1.0).finished());
 const Pose kTo = exp_se3((Vector6d() << 0.3, -0.5, 1.4, 1.2, 1.7, -0.8).finished());
 const Pose kFirst = retract(kFrom, 0.05 * Vector6d::Ones());
-const Eigen::Vector3d kPoint(3.0, -1.0, 2.0);
+const Eigen::Vector3d kCorrectedPoint(3.0, -1.0, 2.0);
 
 template <typename Matrix>
 Matrix some_information() {
@@ -24,7 +24,7 @@ Matrix some_information() {
 
 Correction::Landmark landmark() {
   return {LandmarkId{1},
-          inverse(kFrom) * kPoint + Eigen::Vector3d(0.1, -0.2, 0.05),
+          inverse(kFrom) * kCorrectedPoint + Eigen::Vector3d(0.1, -0.2, 0.05),
           some_information<Eigen::Matrix3d>()};
 }
 
@@ -52,29 +52,30 @@ Eigen::Matrix<double, 3, 4> gauge(const Eigen::Vector3d& p) {
 
 TEST(LandmarkCorrectionFactor, JacobiansAreTheNumericOnes) {
   expect_numeric_jacobians(LandmarkCorrectionFactor(landmark()),
-                           {block_of(kFrom), block_of(kPoint)});
+                           {block_of(kFrom), block_of(kCorrectedPoint)});
 }
 
 TEST(LandmarkCorrectionFactor, IsTheWhitenedDistanceInTheAnchor) {
   const Correction::Landmark correction = landmark();
-  const Eigen::Vector3d e = inverse(kFrom) * kPoint - correction.p_anchor;
-  const double squared =
-      residual_of(LandmarkCorrectionFactor(correction), {block_of(kFrom), block_of(kPoint)})
-          .squaredNorm();
+  const Eigen::Vector3d e = inverse(kFrom) * kCorrectedPoint - correction.p_anchor;
+  const double squared = residual_of(LandmarkCorrectionFactor(correction),
+                                     {block_of(kFrom), block_of(kCorrectedPoint)})
+                             .squaredNorm();
   EXPECT_NEAR(squared, e.dot(correction.information * e), 1e-9 * squared);
 }
 
 TEST(LandmarkCorrectionFactor, KnowsNothingOfYawAndPositionAtTheFirstEstimate) {
   const PoseParameters first = to_parameters(kFirst);
   const LandmarkCorrectionFactor factor(landmark(), &first);
-  const auto J = jacobians_of(factor, {block_of(kFrom), block_of(kPoint)});
-  const Eigen::MatrixXd moved = J[0].leftCols<6>() * gauge(kFirst) + J[1] * gauge(kPoint);
+  const auto J = jacobians_of(factor, {block_of(kFrom), block_of(kCorrectedPoint)});
+  const Eigen::MatrixXd moved = J[0].leftCols<6>() * gauge(kFirst) + J[1] * gauge(kCorrectedPoint);
   EXPECT_LT(moved.norm(), 1e-12 * J[0].norm());
-  const auto at_first =
-      jacobians_of(LandmarkCorrectionFactor(landmark()), {block_of(kFirst), block_of(kPoint)});
+  const auto at_first = jacobians_of(LandmarkCorrectionFactor(landmark()),
+                                     {block_of(kFirst), block_of(kCorrectedPoint)});
   EXPECT_LT((J[0] - at_first[0]).norm() + (J[1] - at_first[1]).norm(), 1e-12 * J[0].norm());
-  EXPECT_EQ(residual_of(factor, {block_of(kFrom), block_of(kPoint)}),
-            residual_of(LandmarkCorrectionFactor(landmark()), {block_of(kFrom), block_of(kPoint)}));
+  EXPECT_EQ(residual_of(factor, {block_of(kFrom), block_of(kCorrectedPoint)}),
+            residual_of(LandmarkCorrectionFactor(landmark()),
+                        {block_of(kFrom), block_of(kCorrectedPoint)}));
 }
 
 TEST(PoseCorrectionFactor, JacobiansAreTheNumericOnes) {
@@ -97,8 +98,9 @@ TEST(Corrections, WithoutInformationSayNothing) {
   point.information.setZero();
   Correction::RelativePose pose = relative_pose();
   pose.information.setZero();
-  EXPECT_TRUE(residual_of(LandmarkCorrectionFactor(point), {block_of(kFrom), block_of(kPoint)})
-                  .isZero(0.0));
+  EXPECT_TRUE(
+      residual_of(LandmarkCorrectionFactor(point), {block_of(kFrom), block_of(kCorrectedPoint)})
+          .isZero(0.0));
   EXPECT_TRUE(
       residual_of(PoseCorrectionFactor(pose), {block_of(kFrom), block_of(kTo)}).isZero(0.0));
 }

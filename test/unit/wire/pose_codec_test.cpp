@@ -9,7 +9,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 void expect_pose_refused(Malformed reason,
                          const std::function<void(wire::PoseEstimate&)>& corrupt) {
@@ -50,11 +50,12 @@ TEST(PoseCodec, RefusesWithAReason) {
   expect_pose_refused(kOutOfRange, [](auto& sample) {
     sample.since_last_answer_ns(std::numeric_limits<std::int64_t>::min());
   });
-  expect_pose_refused(kNotFinite, [](auto& sample) { sample.T_odom_body().translation().x(kNaN); });
+  expect_pose_refused(kNotFinite,
+                      [](auto& sample) { sample.T_odom_body().translation().x(kNoNumber); });
   expect_pose_refused(kNotARotation, [](auto& sample) { sample.T_map_body().rotation().z(1.1); });
   expect_pose_refused(kOutOfRange, [](auto& sample) { sample.covariance_odom().R()[0] = 1e12F; });
   expect_pose_refused(kOutOfRange, [](auto& sample) { sample.covariance_map().R()[0] = 1e12F; });
-  expect_pose_refused(kNotFinite, [](auto& sample) { sample.v_odom().x(kNaN); });
+  expect_pose_refused(kNotFinite, [](auto& sample) { sample.v_odom().x(kNoNumber); });
   expect_pose_refused(kOutOfRange, [](auto& sample) { sample.angular_velocity().x(1e4); });
 }
 

@@ -9,7 +9,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 void expect_session_refused(Malformed reason,
                             const std::function<void(wire::RobotSession&)>& corrupt) {
@@ -49,13 +49,14 @@ TEST(SessionCodec, RefusesWithAReason) {
   expect_session_refused(
       kUnknownValue, [](auto& sample) { sample.encoding(static_cast<wire::SubmapEncoding>(2)); });
   expect_session_refused(kOutOfRange, [](auto& sample) { sample.focal_px(0.0); });
-  expect_session_refused(kNotFinite, [](auto& sample) { sample.center_px()[1] = kNaN; });
+  expect_session_refused(kNotFinite, [](auto& sample) { sample.center_px()[1] = kNotANumber; });
   expect_session_refused(kOutOfRange, [](auto& sample) { sample.baseline_m(-0.1); });
   expect_session_refused(kOutOfRange, [](auto& sample) {
     sample.start_stamp_ns(std::numeric_limits<std::int64_t>::max());
   });
   expect_session_refused(kNotARotation, [](auto& sample) { sample.T_body_cam0().rotation().w(3); });
-  expect_session_refused(kNotFinite, [](auto& sample) { sample.T_map_odom().rotation().w(kNaN); });
+  expect_session_refused(kNotFinite,
+                         [](auto& sample) { sample.T_map_odom().rotation().w(kNotANumber); });
   expect_session_refused(kOutOfRange,
                          [](auto& sample) { sample.T_map_odom().translation().x(1e9); });
   expect_session_refused(kOutOfRange, [](auto& sample) { sample.covariance().R()[20] = 1e20F; });
