@@ -7,6 +7,7 @@
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
 #include <fastdds/rtps/transport/UDPTransportDescriptor.h>
 
+#include "shared/transport/workarounds/gap_budget.hpp"
 
 namespace fleetloc {
 
@@ -52,11 +53,15 @@ class CheckedTransport final : public fdr::ChainingTransport {
                const rtps::Locator_t& remote) override {
     const auto checked = check_rtps({buffer, size}, descriptor_.limits);
     if (!checked) return descriptor_.refused->add(checked.error());
+    if (!gaps_.passes({buffer, size}, GapBudget::Clock::now())) {
+      return descriptor_.refused->add(RtpsDefect::kTooManyGaps);
+    }
     receiver->OnDataReceived(buffer, size, local, remote);
   }
 
  private:
   CheckedDescriptor descriptor_;
+  GapBudget gaps_;
 };
 
 fdr::TransportInterface* CheckedDescriptor::create_transport() const {

@@ -20,6 +20,7 @@
 #include "shared/transport/workarounds/announcement_repetition.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/discovery_repetition.hpp"
+#include "shared/transport/workarounds/gap_budget.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
@@ -171,6 +172,7 @@ class WireTransport final : public fdr::ChainingTransport {
   std::shared_ptr<WireLink> link_;
   RouteCache routes_;  // with each participant anew, so after each change of addresses
   OwnDatagrams own_;
+  GapBudget gaps_;
   InitialAckPacing initial_acks_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   DiscoveryPacing discovery_;
@@ -331,6 +333,9 @@ void WireTransport::receive(fdr::TransportReceiverInterface* receiver,
   const RtpsBytes datagram(buffer, size);
   const auto checked = check_rtps(datagram);
   if (!checked) return link_->malformed.add(checked.error());
+  if (!gaps_.passes(datagram, Clock::now())) {
+    return link_->malformed.add(RtpsDefect::kTooManyGaps);
+  }
   if (own_.includes(datagram) ||
       (link_->ignores_own_process && own_.are_of_same_process(datagram))) {
     return receiver->OnDataReceived(buffer, size, local, remote);

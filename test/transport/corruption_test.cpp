@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <fstream>
 #include <functional>
 #include <random>
 #include <system_error>
@@ -161,6 +162,62 @@ TEST_F(DdsCorruption, OfDatagramsEndsNoProgramAndKeepsNobodyOut) {
   });
   EXPECT_FALSE(cloud_.diagnostics().malformed.empty());
   EXPECT_FALSE(good_.diagnostics().malformed.empty());
+}
+
+// A token of 33 million properties in an announcement (CVE-2024-30258): the library takes 2.4 GB
+// for all of them before it reads the first.
+TEST_F(DdsCorruption, OfLengthsWithinParametersTakesNoMemory) {
+  ASSERT_TRUE(submap_of_a_good_robot_arrives(0));
+  const Bytes announcement = ByteWriter()
+                                 .u16(0)
+                                 .u16(16)
+                                 .entity(0)
+                                 .entity(kParticipantWriter)
+                                 .sequence_number(1)
+                                 .bytes({0, 3, 0, 0})
+                                 .u16(0x0050)
+                                 .u16(16)
+                                 .bytes({1, 15, 6, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0xc1})
+                                 .u16(0x1001)
+                                 .u16(16)
+                                 .u32(2)
+                                 .bytes({'a', 0, 0, 0})
+                                 .u32(0x02000000)
+                                 .u32(0)
+                                 .u16(1)
+                                 .u16(0)
+                                 .written();
+  Intruder(network_.domain(), 119)
+      .send(message_of({submessage(0x15, 1 | 4, announcement)}, {1, 15, 6}));
+  EXPECT_TRUE(comes_true([&] { return !cloud_.diagnostics().malformed.empty(); }));
+  EXPECT_TRUE(submap_of_a_good_robot_arrives(1));
+}
+
+std::size_t resident_bytes() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages >> pages;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+// A datagram of 56 bytes tells of a million samples that there are not (CVE-2025-64438).
+TEST_F(DdsCorruption, ByGapsWithoutEndFillsNoMemory) {
+  ASSERT_TRUE(submap_of_a_good_robot_arrives(0));
+  constexpr std::uint64_t kMillion = 1'000'000;
+  constexpr std::uint64_t kGaps = 20;
+  const std::size_t before = resident_bytes();
+  const Intruder intruder(network_.domain(), 119);
+  const GuidPrefix somebody = sender_of(intruder.hear());
+  for (std::uint64_t i = 1; i <= kGaps; ++i) {
+    intruder.send(message_of({gap(100 + kMillion * i, 50 + kMillion * (i + 1))}, somebody));
+  }
+  EXPECT_TRUE(submap_of_a_good_robot_arrives(1));
+  const auto refused = [&] {
+    return cloud_.diagnostics().malformed["too_many_gaps"] +
+           good_.diagnostics().malformed["too_many_gaps"];
+  };
+  ASSERT_TRUE(comes_true([&] { return refused() >= kGaps - 1; }));
+  // One million of numbers for each of the three ends; a third of the attack takes 1.3 GB.
+  EXPECT_LT(resident_bytes() - before, 3 * 80 * kMillion);
 }
 
 TEST_F(DdsCorruption, OfAnswersToARobotKeepsNoLaterAnswerOut) {

@@ -96,14 +96,16 @@ inline Bytes gap(std::uint64_t first, std::uint64_t base) {
 }
 
 /// Of a sample in fragments of 1000 bytes.
-inline Bytes data_frag(std::uint32_t first, std::uint32_t sample_bytes) {
+inline Bytes data_frag(std::uint32_t first,
+                       std::uint32_t sample_bytes,
+                       std::uint32_t writer = 0x102) {
   return submessage(0x16,
                     1,
                     ByteWriter()
                         .u16(0)
                         .u16(28)
                         .entity(0)
-                        .entity(0x102)
+                        .entity(writer)
                         .sequence_number(5)
                         .u32(first)
                         .u16(1)

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "shared/transport/workarounds/parameter_check.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
@@ -31,19 +32,21 @@ bool has_bitmap(Fields& fields) {
 }
 
 // Discovery's own topics carry parameter lists; the vendor's and liveliness do not.
-bool is_parameter_list(std::uint32_t writer) {
+bool writes_parameters(std::uint32_t writer) {
   constexpr std::array<std::uint32_t, 4> kDiscovery{0x0100c2, 0x0003c2, 0x0004c2, 0x0002c2};
   return std::ranges::find(kDiscovery, writer) != kDiscovery.end();
 }
 
-bool is_payload(Bytes payload, std::uint32_t writer) {
-  if (!is_parameter_list(writer)) return true;
+bool is_payload(Bytes payload, std::uint32_t writer, const RtpsLimits& limits) {
+  if (!writes_parameters(writer)) return true;
   constexpr std::uint8_t kBigEndianList = 2;
   constexpr std::uint8_t kLittleEndianList = 3;
   if (payload.size() < 4 || payload[0] != 0) return false;
   if (payload[1] != kBigEndianList && payload[1] != kLittleEndianList) return false;
-  Fields list(payload.subspan(4), payload[1] == kLittleEndianList);
-  return skip_parameters(list);
+  return is_parameter_list(
+      payload.subspan(4),
+      payload[1] == kLittleEndianList,
+      limits.allows_extensions ? ParameterSender::kAnybody : ParameterSender::kFastDds);
 }
 
 // What comes before inline QoS and payload, behind the fields that are common to DATA and
@@ -55,9 +58,10 @@ struct SampleHead {
 };
 std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
   constexpr std::size_t kCommon = 16;  // reader, writer, sequence number: counted by the offset
-  fields.u16();                        // extra flags
+  constexpr std::uint16_t kMaxOffset = std::numeric_limits<std::int16_t>::max();
+  fields.u16();  // extra flags
   const std::uint16_t offset = fields.u16();
-  if (offset < kCommon + own) return std::nullopt;
+  if (offset < kCommon + own || offset > kMaxOffset) return std::nullopt;
   fields.u32();  // reader
   SampleHead head;
   head.writer = fields.entity();
@@ -68,18 +72,29 @@ std::optional<SampleHead> sample_head(Fields& fields, std::size_t own) {
   return head;
 }
 
-bool is_data(Fields fields, std::uint8_t flags) {
+bool is_data(Fields fields, std::uint8_t flags, const RtpsLimits& limits) {
   const auto head = sample_head(fields, 0);
   if (!head) return false;
   if ((flags & kInlineQos) != 0 && !skip_parameters(fields)) return false;
   if ((flags & kHasData) != 0 && (flags & kHasKey) != 0) return false;
-  return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer);
+  return (flags & kHasData) == 0 || is_payload(fields.rest(), head->writer, limits);
+}
+
+// At the beginning of each fragment that is missing, aligned, the library writes a number of four
+// bytes (CVE-2025-62799).
+bool has_room_for_indices(std::uint32_t fragment, std::uint32_t sample) {
+  constexpr std::uint32_t kIndex = 4;
+  const std::uint32_t last_at = (sample - 1) / fragment * fragment;
+  const std::uint32_t aligned = (last_at + kIndex - 1) / kIndex * kIndex;
+  return fragment >= kIndex && aligned + kIndex <= sample;
 }
 
 bool is_data_frag(Fields fields, std::uint8_t flags, std::uint32_t largest_sample_bytes) {
   constexpr std::size_t kFragmentFields = 12;
+  constexpr std::uint8_t kIsKeyOfFragments = 0x04;  // nobody sends it; read from nowhere
   const auto head = sample_head(fields, kFragmentFields);
-  if (!head) return false;
+  if (!head || writes_parameters(head->writer)) return false;  // those fit into one datagram
+  if ((flags & kIsKeyOfFragments) != 0) return false;
   Fields own(head->own, (flags & kLittleEndian) != 0);
   const std::uint32_t first = own.u32();
   const std::uint32_t count = own.u16();
@@ -88,6 +103,7 @@ bool is_data_frag(Fields fields, std::uint8_t flags, std::uint32_t largest_sampl
   if (first == 0 || count == 0 || size == 0 || sample > largest_sample_bytes) return false;
   const std::uint32_t fragments = (sample + size - 1) / size;
   if (first > fragments || count > fragments - first + 1) return false;
+  if (fragments > 1 && !has_room_for_indices(size, sample)) return false;
   if ((flags & kInlineQos) != 0 && !skip_parameters(fields)) return false;
   const std::size_t begin = std::size_t{first - 1} * size;
   const std::size_t end = std::min<std::size_t>(begin + std::size_t{count} * size, sample);
@@ -167,7 +183,7 @@ std::optional<bool> is_valid(const RtpsSubmessage& submessage, const RtpsLimits&
     case RtpsKind::kHeartbeatFrag:
       return is_heartbeat_frag(fields);
     case RtpsKind::kData:
-      return is_data(fields, flags);
+      return is_data(fields, flags, limits);
     case RtpsKind::kDataFrag:
       return is_data_frag(fields, flags, limits.largest_sample_bytes);
     case RtpsKind::kStatistics:
@@ -192,6 +208,8 @@ std::string_view name(RtpsDefect defect) {
       return "invalid_submessage";
     case RtpsDefect::kStatistics:
       return "statistics";
+    case RtpsDefect::kTooManyGaps:
+      return "too_many_gaps";
   }
   return "";
 }

@@ -20,9 +20,10 @@ enum class RtpsDefect : std::uint8_t {
   kCutShort,           ///< within a submessage
   kUnknownSubmessage,  ///< of a kind that neither RTPS 2.2 nor Fast DDS has
   kInvalidSubmessage,  ///< its fields contradict each other, or its length
-  kStatistics          ///< those of Fast DDS where it does not put them
+  kStatistics,         ///< those of Fast DDS where it does not put them
+  kTooManyGaps         ///< see GapBudget
 };
-inline constexpr std::size_t kRtpsDefects = 6;
+inline constexpr std::size_t kRtpsDefects = 7;
 std::string_view name(RtpsDefect defect);
 
 /// What is taken beside what the grammar says.

@@ -112,6 +112,39 @@ TEST(RtpsCheck, RefusesFragmentsBeyondTheSample) {
   EXPECT_FALSE(check_rtps(message_of({data_frag(1, 0x7fffffff)})));
 }
 
+TEST(RtpsCheck, RefusesFragmentsInWhichNoNumberOfOneHasRoom) {  // CVE-2025-62799
+  EXPECT_TRUE(check_rtps(message_of({data_frag(1, 1000)}))) << "the only one";
+  EXPECT_TRUE(check_rtps(message_of({data_frag(1, 2004)})));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(1, 2003)})));
+}
+
+TEST(RtpsCheck, RefusesAKeyInFragments) {
+  Bytes fragment = data_frag(1, 3000);
+  fragment[1] |= 0x04;
+  EXPECT_FALSE(check_rtps(message_of({fragment})));
+}
+
+TEST(RtpsCheck, RefusesDiscoveryInFragments) {
+  EXPECT_FALSE(check_rtps(message_of({data_frag(1, 3000, kPublicationsWriter)})));
+}
+
+TEST(RtpsCheck, RefusesAnOffsetThatTheLibraryTakesForANegativeOne) {
+  const auto with_offset = [](std::uint16_t offset) {
+    return submessage(0x15,
+                      1,
+                      ByteWriter()
+                          .u16(0)
+                          .u16(offset)
+                          .entity(0)
+                          .entity(0x102)
+                          .sequence_number(5)
+                          .zeros(0x9000)
+                          .written());
+  };
+  EXPECT_TRUE(check_rtps(message_of({with_offset(0x7ffc)})));
+  EXPECT_FALSE(check_rtps(message_of({with_offset(0x8000)})));
+}
+
 TEST(RtpsCheck, RefusesParametersThatRunOverTheEnd) {
   EXPECT_TRUE(check_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 16}})})));
   EXPECT_FALSE(check_rtps(message_of({announcement({{0x0015, 4}, {0x0050, 18}})})));
