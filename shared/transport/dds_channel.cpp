@@ -14,14 +14,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kInboxMessages = 4096;  // far more than one cycle of any program leaves
-constexpr std::size_t kMaxEvents = 100;       // further ones are dropped
-constexpr milliseconds kLook{1000};           // period of checks without a notification
-constexpr milliseconds kLookAgain{50};        // while it changes
-constexpr milliseconds kFirstLookup{500};     // of peers, that a program's start waits for
-constexpr std::chrono::seconds kAlone{5};     // then localizers of other versions are sought
-constexpr std::chrono::seconds kAbsent{60};   // then a localizer's writers to a robot are deleted
-constexpr std::size_t kMaxPrepared = 8192;    // writers; others are made when they are needed
+// Far more than one cycle of any program leaves.
+constexpr std::size_t kInboxMessages = 4096;
+constexpr std::size_t kInboxBytes = 16U << 20U;
+constexpr std::size_t kMaxEvents = 100;      // further ones are dropped
+constexpr milliseconds kLook{1000};          // period of checks without a notification
+constexpr milliseconds kLookAgain{50};       // while it changes
+constexpr milliseconds kFirstLookup{500};    // of peers, that a program's start waits for
+constexpr std::chrono::seconds kAlone{5};    // then localizers of other versions are sought
+constexpr std::chrono::seconds kAbsent{60};  // then a localizer's writers to a robot are deleted
+constexpr std::size_t kMaxPrepared = 8192;   // writers; others are made when they are needed
 
 void check(Topic topic, const std::string& receiver) {
   if (topic == Topic::kLocalizerStatus ? receiver.empty() : is_valid_id(receiver)) return;
@@ -76,6 +78,7 @@ std::vector<Message> DdsChannel::receive(Timestamp /*now*/) {
   std::vector<Message> messages(std::make_move_iterator(inbox_.begin()),
                                 std::make_move_iterator(inbox_.end()));
   inbox_.clear();
+  inbox_bytes_ = 0;
   return messages;
 }
 
@@ -162,11 +165,13 @@ void DdsChannel::deliver(expected<Message, KeyDefect> message) {
   }
   ++statistics_.received_messages;
   statistics_.received_payload_bytes += message->payload.size();
-  if (inbox_.size() == kInboxMessages) {
+  inbox_bytes_ += message->payload.size();
+  inbox_.push_back(std::move(*message));
+  while (inbox_.size() > kInboxMessages || inbox_bytes_ > kInboxBytes) {
+    inbox_bytes_ -= inbox_.front().payload.size();
     inbox_.pop_front();
     ++diagnostics_.overflowed;
   }
-  inbox_.push_back(std::move(*message));
   arrived_.notify_all();
 }
 

@@ -97,6 +97,7 @@ class DdsChannel final : public Channel {
   mutable std::mutex mutex_;  // guards what follows, up to the statistics; never held for long
   std::condition_variable arrived_;
   std::deque<Message> inbox_;
+  std::size_t inbox_bytes_ = 0;  // of its payloads
   std::vector<std::string> events_;
   ChannelDiagnostics diagnostics_;
   ChannelStatistics statistics_;  // without wire bytes

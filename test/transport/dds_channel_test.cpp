@@ -53,6 +53,21 @@ TEST_F(DdsChannelTest, CarriesSubmapsThatNeedManyDatagrams) {
       [&](const Message& message) { return message.payload == large.payload; }));
 }
 
+TEST_F(DdsChannelTest, KeepsTheNewestMegabytesOfWhatNobodyTakes) {
+  constexpr std::size_t kRows = 16'384;  // 32 KB
+  constexpr std::size_t kMost = 16U << 20U;
+  ASSERT_TRUE(matches(robot_, Topic::kSubmap, "cloud_1"));
+  std::uint32_t number = 0;
+  ASSERT_TRUE(comes_true([&] {
+    for (int i = 0; i < 10; ++i) send(numbered_submap(++number, "robot_1", kRows));
+    return cloud_.diagnostics().overflowed > 0;
+  }));
+  std::size_t bytes = 0;
+  for (const Message& message : cloud_.receive({})) bytes += message.payload.size();
+  EXPECT_LE(bytes, kMost);
+  EXPECT_GT(bytes, kMost - 4 * kRows);
+}
+
 TEST_F(DdsChannelTest, CountsWhatCannotBeDecodedAndGoesOn) {
   const Message garbage{.topic = Topic::kSubmap, .payload = Bytes(40, 0xff)};
   EXPECT_TRUE(receives(

@@ -28,7 +28,9 @@ std::string_view name(RtpsDefect defect);
 
 /// What is taken beside what the grammar says.
 struct RtpsLimits {
-  std::uint32_t largest_sample_bytes = 16U << 20U;  ///< in fragments; memory is taken for all of it
+  /// In fragments, of which the first makes the library take memory for all. By idl/ 300 KB at
+  /// most.
+  std::uint32_t largest_sample_bytes = 512U << 10U;
   /// Submessages of other vendors and of later versions, which Fast DDS skips; its own robots and
   /// localizers send none.
   bool allows_extensions = false;

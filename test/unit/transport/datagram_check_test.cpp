@@ -109,6 +109,8 @@ TEST(RtpsCheck, RefusesFragmentsBeyondTheSample) {
   EXPECT_TRUE(check_rtps(message_of({data_frag(3, 3000)})));
   EXPECT_FALSE(check_rtps(message_of({data_frag(4, 3000)})));
   EXPECT_FALSE(check_rtps(message_of({data_frag(0, 3000)})));
+  EXPECT_TRUE(check_rtps(message_of({data_frag(1, 300'000)})));
+  EXPECT_FALSE(check_rtps(message_of({data_frag(1, 600'000)})));
   EXPECT_FALSE(check_rtps(message_of({data_frag(1, 0x7fffffff)})));
 }
 
