@@ -15,6 +15,7 @@
 namespace fleetloc {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::Ge;
 using ::testing::Gt;
 using ::testing::HasSubstr;
@@ -76,7 +77,9 @@ TEST_P(DdsFlightThrough, IsLocalizedInTheLaserMapInRealTime) {
       run(FLEETLOC_MONITOR, {"--run", run_folder_, "--localizer", folder_of(kLocalizer), "--once"});
   EXPECT_THAT(view.output,
               HasSubstr("\nrobot_1  " + std::string(GetParam().duration_s) + " s  ended  "));
-  EXPECT_THAT(view.output, HasSubstr("\nlocalizer_1  accepting  1       "));  // robots
+  // Its line of each second may fall into the .3 s in which it says goodbye.
+  EXPECT_THAT(view.output,
+              ContainsRegex("\nlocalizer_1  (accepting|draining)  *1       "));  // robots
 }
 
 INSTANTIATE_TEST_SUITE_P(Simulated,
