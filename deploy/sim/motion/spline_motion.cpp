@@ -29,8 +29,16 @@ SplineMotion::SplineMotion(const SplineGrid& grid, Coefficients coefficients)
   assert(coefficients_.rows() == grid_.coefficients());
 }
 
+SplineMotion SplineMotion::carried(double at_s, double for_s) const {
+  SplineMotion result = *this;
+  result.carried_at_s_ = at_s;
+  result.carried_for_s_ = std::clamp(for_s, 0.0, std::max(0.0, grid_.duration_s() - at_s));
+  return result;
+}
+
 MotionState SplineMotion::at(double time_s) const {
-  const auto [interval, u] = grid_.place(time_s);
+  const bool is_before = time_s < carried_at_s_;
+  const auto [interval, u] = grid_.place(is_before ? time_s : time_s + carried_for_s_);
   Eigen::Matrix<double, 7, 3> jet =
       coefficients_.middleRows<kQuinticSupport>(interval).transpose() * quintic_basis(u);
   jet.col(1) /= grid_.interval_s;

@@ -31,14 +31,20 @@ class SplineMotion {
   /// zero.
   SplineMotion(const SplineGrid& grid, Coefficients coefficients);
 
+  /// The same motion, but for `for_s` from `at_s` on: somebody carries the body over that part, and
+  /// no sensor takes notice.
+  [[nodiscard]] SplineMotion carried(double at_s, double for_s) const;
+
   /// @param time_s  from the start; times outside of 0..duration() are moved to its ends
   [[nodiscard]] MotionState at(double time_s) const;
-  [[nodiscard]] double duration() const { return grid_.duration_s(); }  ///< [s]
+  [[nodiscard]] double duration() const { return grid_.duration_s() - carried_for_s_; }  ///< [s]
   [[nodiscard]] const SplineGrid& grid() const { return grid_; }
 
  private:
   SplineGrid grid_;
   Coefficients coefficients_;
+  double carried_at_s_ = 0.0;
+  double carried_for_s_ = 0.0;
 };
 
 /// The spline through T_map_body(t), sampled twice per interval of the grid: accurate up to about a

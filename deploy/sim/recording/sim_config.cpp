@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/config/option_check.hpp"
 #include "shared/dataset/sensor_file.hpp"
 #include "shared/geometry/angle.hpp"
 
@@ -87,6 +88,9 @@ SimConfig read_sim_config(ConfigReader section) {
   config.speed_up_s = record.positive("speed_up_s");
   config.replayed_record = read_replayed_record(section.section("replayed_record"));
   config.vibration = read_vibration_config(section.section("vibration"));
+  ConfigReader carried = section.section("carried");
+  config.carried = {.at_s = carried.number("at_s", 0.0, kLongest_s),
+                    .for_s = carried.number("for_s", 0.0, kLongest_s)};
   ConfigReader surfels = section.section("surfels");
   config.surfels = {.size_spacings = surfels.positive("size_spacings"),
                     .max_size_m = surfels.positive("max_size_m")};

@@ -26,6 +26,12 @@ struct SurfelConfig {
   double max_size_m = 0.0;     ///< of half of the edge
 };
 
+/// Somebody carries the robot over a part of its way, and no sensor takes notice.
+struct CarriedConfig {
+  double at_s = 0.0;
+  double for_s = 0.0;  ///< of the way; 0: never
+};
+
 struct SimConfig {
   double start_s = 0.0;
   double ground_truth_hz = 0.0;
@@ -43,6 +49,7 @@ struct SimConfig {
   double speed_up_s = 0.0;
   RecordFitConfig replayed_record;
   VibrationConfig vibration;
+  CarriedConfig carried;
   SurfelConfig surfels;
 };
 

@@ -63,18 +63,22 @@ DrivenRoute driven_route(const std::filesystem::path& file, const SimConfig& con
 
 SimMotion driven_motion(const SimMotionOptions& options, const SimConfig& config) {
   const Eigen::Vector3d forward = Eigen::Vector3d::UnitX();
+  const auto carried = [&config](const SplineMotion& motion) {
+    return motion.carried(config.carried.at_s, config.carried.for_s);
+  };
   const auto extension = options.file.extension();
   if (extension == ".yaml" || extension == ".yml") {
     const DrivenRoute route = driven_route(options.file, config);
-    return {.motion = with_vibration(route.motion, config.vibration, forward, options.seed),
-            .start = Timestamp(from_seconds(config.start_s)),
-            .path_map = route.path_map};
+    return {
+        .motion = carried(with_vibration(route.motion, config.vibration, forward, options.seed)),
+        .start = Timestamp(from_seconds(config.start_s)),
+        .path_map = route.path_map};
   }
   RecordFit fit = fitted(options.file, config.record);
   const SplineMotion smooth =
       options.rest_s > 0.0 ? with_rest(fit.motion, options.rest_s, config.speed_up_s) : fit.motion;
   const Timestamp start = fit.start;
-  return {.motion = with_vibration(smooth, config.vibration, forward, options.seed),
+  return {.motion = carried(with_vibration(smooth, config.vibration, forward, options.seed)),
           .start = start,
           .path_map = points_along(fit.motion),
           .fit = fit};

@@ -65,6 +65,16 @@ TEST(SplineMotion, StaysAtItsEndsOutsideOfItsTime) {
   EXPECT_EQ(motion.at(99.0).T_map_body.p, motion.at(motion.duration()).T_map_body.p);
 }
 
+TEST(SplineMotion, IsCarriedOverAPart) {
+  const SplineMotion motion = tumbling_motion();
+  const SplineMotion carried = motion.carried(2.0, 1.5);
+  EXPECT_DOUBLE_EQ(carried.duration(), motion.duration() - 1.5);
+  EXPECT_EQ(carried.at(1.99).T_map_body.p, motion.at(1.99).T_map_body.p);
+  EXPECT_EQ(carried.at(2.0).T_map_body.p, motion.at(3.5).T_map_body.p);
+  EXPECT_EQ(carried.at(3.0).a_map, motion.at(4.5).a_map);
+  EXPECT_EQ(motion.carried(2.0, 1e6).duration(), 2.0) << "to its end";
+}
+
 TEST(SplineMotion, RestsBeforeItMovesAndThenGoesTheSameWay) {
   const SplineMotion motion = tumbling_motion();
   const SplineMotion rested = with_rest(motion, 2.0, 3.0);
