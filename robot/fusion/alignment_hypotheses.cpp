@@ -4,11 +4,17 @@
 #include <cstddef>
 #include <utility>
 
+#include "shared/geometry/covariance.hpp"
+
 namespace fleetloc {
 namespace {
 
 // Each outlier starts a hypothesis; beyond this number the oldest is dropped.
 constexpr std::size_t kMaxHypotheses = 4;
+
+// Sigmas of a pose that may be anywhere in a map.
+constexpr double kAnywhere_m = 1000.0;
+constexpr double kAnywhere_rad = 3.0;
 
 }  // namespace
 
@@ -58,10 +64,17 @@ void AlignmentHypotheses::restart(const LocalizationMeasurement& answer) {
       hypotheses_.empty() ? HypothesisSupport() : std::move(hypotheses_.back().support);
   current_support_.add(answer);
   hypotheses_.clear();
+  is_lost_ = false;
+}
+
+void AlignmentHypotheses::lose() {
+  current_support_ = HypothesisSupport();
+  is_lost_ = true;
 }
 
 void AlignmentHypotheses::support(const LocalizationMeasurement& applied) {
   current_support_.add(applied);
+  is_lost_ = false;
   for (Hypothesis& hypothesis : hypotheses_) {
     ++hypothesis.applied_since;
   }
@@ -99,13 +112,15 @@ bool AlignmentHypotheses::add(const LocalizationMeasurement& rejected) {
 AlignmentHypotheses AlignmentHypotheses::without_alternatives() const {
   AlignmentHypotheses result(config_);
   result.current_support_ = current_support_;
+  result.is_lost_ = is_lost_;
   return result;
 }
 
 bool AlignmentHypotheses::contradict() const {
-  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [this](const Hypothesis& hypothesis) {
-    return contradicts(hypothesis);
-  });
+  return is_lost_ ||
+         std::any_of(hypotheses_.begin(), hypotheses_.end(), [this](const Hypothesis& hypothesis) {
+           return contradicts(hypothesis);
+         });
 }
 
 MapOdomEstimate AlignmentHypotheses::inflated(MapOdomEstimate estimate) const {
@@ -115,6 +130,7 @@ MapOdomEstimate AlignmentHypotheses::inflated(MapOdomEstimate estimate) const {
       estimate.covariance += difference * difference.transpose();
     }
   }
+  if (is_lost_) estimate.covariance += diagonal_covariance(kAnywhere_rad, kAnywhere_m);
   return estimate;
 }
 

@@ -53,6 +53,10 @@ class AlignmentHypotheses {
   /// hypothesis, if there is one, and drops all hypotheses.
   void restart(const LocalizationMeasurement& answer);
 
+  /// The localizer no longer believes in the current estimate: nothing supports it any more, and
+  /// the next answer decides.
+  void lose();
+
   /// An applied answer supports the current estimate and counts against the hypotheses.
   void support(const LocalizationMeasurement& applied);
 
@@ -62,10 +66,11 @@ class AlignmentHypotheses {
   /// Support of the current estimate without the hypotheses, for after a reset of the odometry.
   [[nodiscard]] AlignmentHypotheses without_alternatives() const;
 
-  /// True if a hypothesis has `lost_after` agreeing answers.
+  /// True if a hypothesis has `lost_after` agreeing answers, and from lose() to the next answer.
   [[nodiscard]] bool contradict() const;
 
-  /// With a covariance that covers the contradicting hypotheses (outer product of the difference).
+  /// With a covariance that covers the contradicting hypotheses (outer product of the difference);
+  /// after lose() with one of anywhere.
   [[nodiscard]] MapOdomEstimate inflated(MapOdomEstimate estimate) const;
 
  private:
@@ -82,6 +87,7 @@ class AlignmentHypotheses {
 
   Config config_;
   HypothesisSupport current_support_;
+  bool is_lost_ = false;
   std::vector<Hypothesis> hypotheses_;  ///< the one supported last is last
 };
 

@@ -91,7 +91,17 @@ void CoupledFusion::propagate_to(std::size_t frame, const MapBodyFilter& previou
   state.filter.correct(frames_[frame].odometry.state.T_odom_body);
 }
 
+void CoupledFusion::lose() {
+  if (frames_.empty()) return;
+  frames_.lose();
+  if (filter_states_.size() == frames_.size()) replay_from(filter_states_.size() - 1);
+}
+
 AnswerOutcome CoupledFusion::add_answer(const LocalizationResult& answer) {
+  if (answer.status == LocalizationStatus::kLost) {
+    const auto lost = frames_.add_loss(answer);
+    if (lost && *lost < filter_states_.size()) replay_from(*lost);
+  }
   if (const auto usable = frames_.check(answer); !usable) return unexpected(usable.error());
   if (filter_states_.empty() || answer.stamp > frames_[filter_states_.size() - 1].odometry.stamp) {
     return unexpected(FusionRejection::kUnknownStamp);
@@ -108,6 +118,7 @@ void CoupledFusion::replay_from(std::size_t frame) {
       propagate_to(i, newest_);
     }
     newest_ = filter_states_[i].filter;
+    if (frames_[i].is_lost) newest_.lose();
     if (auto& stored = frames_[i].answer) {
       stored->outcome = newest_.apply(stored->measurement, frames_[i].odometry);
     }
@@ -118,6 +129,7 @@ void CoupledFusion::replay_from(std::size_t frame) {
 
 MapBodyFilter CoupledFusion::after_answer(std::size_t frame) const {
   MapBodyFilter filter = filter_states_[frame].filter;
+  if (frames_[frame].is_lost) filter.lose();
   if (const auto& stored = frames_[frame].answer) {
     filter.apply(stored->measurement, frames_[frame].odometry);
   }

@@ -46,6 +46,7 @@ void DecoupledFusion::forget_old_frames() {
   while (frames_.has_stale()) {
     const DelayedFrames::Frame& frame = frames_.oldest();
     oldest_.drift(frame.drift);
+    if (frame.is_lost) oldest_.lose();
     if (frame.answer) {
       oldest_.apply(frame.answer->measurement);
     }
@@ -53,7 +54,14 @@ void DecoupledFusion::forget_old_frames() {
   }
 }
 
+void DecoupledFusion::lose() {
+  if (frames_.empty()) return;
+  frames_.lose();
+  replay_answers();
+}
+
 AnswerOutcome DecoupledFusion::add_answer(const LocalizationResult& answer) {
+  if (answer.status == LocalizationStatus::kLost && frames_.add_loss(answer)) replay_answers();
   const auto frame = frames_.add_answer(answer);
   if (!frame) return unexpected(frame.error());
   replay_answers();
@@ -64,6 +72,7 @@ void DecoupledFusion::replay_answers() {
   alignment_ = oldest_;
   for (DelayedFrames::Frame& frame : frames_) {
     alignment_.drift(frame.drift);
+    if (frame.is_lost) alignment_.lose();
     if (frame.answer) frame.answer->outcome = alignment_.apply(frame.answer->measurement);
   }
 }

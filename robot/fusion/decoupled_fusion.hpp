@@ -27,6 +27,7 @@ class DecoupledFusion final : public PoseFusion {
   expected<void, FusionRejection> add_odometry(const OdometryEstimate& estimate) override;
   AnswerOutcome add_answer(const LocalizationResult& answer) override;
   [[nodiscard]] std::optional<PoseEstimate> estimate_at(Timestamp stamp) const override;
+  void lose() override;
   void interrupt() override { interrupted_ = true; }
   void reset(SessionNumber session, const std::optional<MapOdomEstimate>& carried) override;
   void forget_map(SessionNumber session) override;

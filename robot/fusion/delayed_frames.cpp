@@ -44,7 +44,10 @@ void DelayedFrames::reset(SessionNumber session) {
 
 void DelayedFrames::forget_answers(SessionNumber session) {
   session_ = session;
-  for (Frame& frame : frames_) frame.answer.reset();
+  for (Frame& frame : frames_) {
+    frame.is_lost = false;
+    frame.answer.reset();
+  }
 }
 
 bool DelayedFrames::add_imu(const ImuSample& sample) {
@@ -139,6 +142,13 @@ expected<std::size_t, FusionRejection> DelayedFrames::add_answer(const Localizat
       .revision = answer.revision,
       .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
       .outcome = std::nullopt};
+  return index;
+}
+
+expected<std::size_t, FusionRejection> DelayedFrames::add_loss(const LocalizationResult& answer) {
+  if (session_ && answer.session != *session_) return unexpected(FusionRejection::kWrongSession);
+  const auto index = frame_of(answer.stamp);
+  if (index) frames_[*index].is_lost = true;
   return index;
 }
 

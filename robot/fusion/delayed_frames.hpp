@@ -26,7 +26,8 @@ class DelayedFrames {
   };
   struct Frame {
     OdometryEstimate odometry;
-    DriftStep drift;  ///< since the frame before
+    DriftStep drift;       ///< since the frame before
+    bool is_lost = false;  ///< so said an answer to it; `answer` is newer
     std::optional<StoredMeasurement> answer;
   };
 
@@ -49,6 +50,12 @@ class DelayedFrames {
   /// Stores the answer at its frame.
   /// @return the index of the frame
   expected<std::size_t, FusionRejection> add_answer(const LocalizationResult& answer);
+
+  /// Notes that the answer, of status kLost, takes back where the robot was until its frame.
+  /// @return the index of the frame
+  expected<std::size_t, FusionRejection> add_loss(const LocalizationResult& answer);
+  /// Notes the same of the newest frame; there must be one.
+  void lose() { frames_.back().is_lost = true; }
 
   /// The oldest frame is older than the buffer.
   [[nodiscard]] bool has_stale() const;

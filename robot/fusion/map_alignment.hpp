@@ -35,6 +35,9 @@ class MapAlignment {
 
   AnswerOutcome apply(const LocalizationMeasurement& answer);
 
+  /// The localizer has said that T_map_odom is wrong.
+  void lose() { hypotheses_.lose(); }
+
   /// T_map_odom with covariance, from the first applied answer on.
   [[nodiscard]] std::optional<MapOdomEstimate> pose() const;
   /// The same, with a covariance inflated to cover contradicting hypotheses.
@@ -50,7 +53,7 @@ class MapAlignment {
   /// No answer has been applied since.
   [[nodiscard]] bool is_continued() const { return continued_; }
 
-  /// Rejected answers agree with each other on another T_map_odom.
+  /// Rejected answers agree with each other on another T_map_odom, or see lose().
   [[nodiscard]] bool contradicted() const { return hypotheses_.contradict(); }
 
  private:

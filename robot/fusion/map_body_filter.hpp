@@ -30,6 +30,9 @@ class MapBodyFilter {
   /// The answer to the frame. The first one starts the filter at the odometry's state.
   AnswerOutcome apply(const LocalizationMeasurement& answer, const OdometryEstimate& odometry);
 
+  /// The localizer has said that the pose is wrong.
+  void lose() { hypotheses_.lose(); }
+
   /// In map where its members say odom; valid from the first applied answer on.
   [[nodiscard]] const NavState& state() const { return state_; }
   [[nodiscard]] Matrix15d covariance() const { return P_.topLeftCorner<15, 15>(); }

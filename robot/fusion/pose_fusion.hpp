@@ -31,7 +31,8 @@ namespace fleetloc {
 ///   it for long, or it was carried over a failure of the odometry. Drive on while the covariance
 ///   fits the space around; slow down, and stop where it does not.
 /// - kSearching: there is no map pose yet. Drive, if at all, by the odom pose.
-/// - kLost: the map pose must not be used: several answers contradict it, or its covariance has
+/// - kLost: the map pose must not be used: the localizer has taken it back, or nobody knows how far
+///   the robot was carried, or several answers contradict it, or its covariance has
 ///   grown beyond the configured limit, or the odometry has stopped. Stop, or drive by direct
 ///   perception only. The odom pose stays usable except in the last case.
 ///
@@ -74,6 +75,10 @@ class PoseFusion {
   /// The current estimate of the pose at a frame's stamp. Nothing unless odometry and buffered IMU
   /// samples cover the stamp: add the first sample after the frame before.
   [[nodiscard]] virtual std::optional<PoseEstimate> estimate_at(Timestamp stamp) const = 0;
+
+  /// The robot may be anywhere: kLost until the next answer with a pose, whatever that pose is. An
+  /// answer of status kLost does the same.
+  virtual void lose() = 0;
 
   /// The odometry has failed: until reset() poses are dead-reckoned from its last state, and never
   /// kLocalized.

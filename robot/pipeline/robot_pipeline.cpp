@@ -157,6 +157,7 @@ void RobotPipeline::begin_session(const OdometryWindow& window, Timestamp now) {
   const auto start =
       session_start_.of_session(*window.start, T_odom_body, start_from_answers(T_odom_body));
   if (!start) ++faults_[std::string(name(start.error()))];
+  if (!start && start.error() == NoStart::kTooUncertain) fusion_->lose();
   localizer_->start_session(announced(start ? std::optional(*start) : std::nullopt), now);
 }
 

@@ -25,6 +25,8 @@ std::string_view name(LocalizationStatus status) {
       return "degenerate";
     case LocalizationStatus::kUnconfirmed:
       return "unconfirmed";
+    case LocalizationStatus::kLost:
+      return "lost";
   }
   return "unknown";
 }

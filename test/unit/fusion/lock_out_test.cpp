@@ -229,6 +229,50 @@ TEST_P(SoonLost, AnotherMapIsRefusedUntilTheSessionEnds) {
   EXPECT_LT(position_error(), 0.05);
 }
 
+LocalizationResult lost(LocalizationResult said) {
+  said.status = LocalizationStatus::kLost;
+  return said;
+}
+
+// Whatever had confirmed the place before: as after somebody carried the robot away.
+TEST_P(LockOut, APlaceThatTheLocalizerTakesBackYieldsToItsNextAnswer) {
+  for (int i = 1; i < 4; ++i) EXPECT_TRUE(same_again(21.0 * i).has_value());
+  fed_.drive_to(66.0);
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_EQ(name(fed_.fusion.add_answer(lost(answer(65.0, Pose{})))), "not_localized");
+  EXPECT_EQ(quality(), Quality::kLost);
+  const Matrix6d anywhere = fed_.fusion.session_start()->covariance;
+  EXPECT_GT(anywhere.diagonal().tail<3>().minCoeff(), 500.0 * 500.0);
+  EXPECT_EQ(name(truth_from("cloud", 70.0)), "restarted");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_LT(position_error(), 0.05);
+}
+
+TEST_P(LockOut, APlaceThatWasTakenBackIsGivenAgainByAnAnswerThatAgrees) {
+  fed_.drive_to(6.0);
+  fed_.fusion.add_answer(lost(answer(5.0, Pose{})));
+  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(name(same_again(7.0)), "applied");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  fed_.fusion.add_answer(lost(answer(6.0, Pose{})));
+  EXPECT_EQ(quality(), Quality::kLocalized) << "it is older than what came before it";
+  LocalizationResult of_another_session = lost(answer(7.0, Pose{}));
+  of_another_session.session = SessionNumber{3};
+  fed_.fusion.reset(SessionNumber{1}, fed_.fusion.session_start());
+  fed_.drive_to(9.0);
+  fed_.fusion.add_answer(of_another_session);
+  EXPECT_NE(quality(), Quality::kLost);
+}
+
+TEST_P(LockOut, ARobotThatMayBeAnywhereIsLostUntilTheNextAnswer) {
+  fed_.drive_to(6.0);
+  fed_.fusion.lose();
+  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(name(truth_from("cloud", 7.0)), "restarted");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_LT(position_error(), 0.05);
+}
+
 TEST_P(SoonLost, WhatDriftedTooFarIsFoundAgainByOneAnswer) {
   fed_.drive_to(180.0);
   EXPECT_EQ(fed_.output.quality, Quality::kLost);

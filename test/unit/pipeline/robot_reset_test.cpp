@@ -135,6 +135,7 @@ TEST_F(RobotReset, FollowsALongImuGapWithANewSessionThatStartsFromWhereTheRobotI
   // A second at unknown speed: a search from there would end anywhere.
   EXPECT_FALSE(session.start.has_value());
   EXPECT_EQ(pipeline_.faults().at("withheld_starts"), 1U);
+  EXPECT_EQ(frame_at(7.9).pose.quality, Quality::kLost) << "nobody knows how far it was carried";
   for (const FrameOutput& frame : frames_) {
     const double t = second_of(frame.stamp);
     EXPECT_TRUE(t < 6.0 || t > 8.0 || frame.pose.quality != Quality::kLocalized) << t;
