@@ -47,6 +47,8 @@ Acceptance::Verdict Acceptance::check_fit(const MapFit& fit, bool is_start) {
   // Next to the right place the matches lie within the gate, but beside the surfaces.
   if (fit.median_residual > config_.max_median_residual) return unexpected(kPoorFit);
   if (is_below_ground(fit.association)) return unexpected(kBelowGround);
+  // The older keyframes hold the window where it was, whatever the newest ones see.
+  if (doubt_.is_elsewhere(fit.recent)) return unexpected(kRecentDisagreement);
   // Farther than the odometry can have brought the robot. Only the start pose is never given up: it
   // is all that says where the session is.
   if (!(fit.innovation_sigmas <= innovation_gate())) {

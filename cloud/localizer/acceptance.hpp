@@ -5,6 +5,7 @@
 
 #include "cloud/localizer/answer_covariance.hpp"
 #include "cloud/localizer/map_fit.hpp"
+#include "cloud/localizer/place_doubt.hpp"
 #include "cloud/localizer/pose_with_covariance.hpp"
 #include "cloud/localizer/rejection.hpp"
 #include "shared/config/config_reader.hpp"
@@ -94,8 +95,10 @@ class Acceptance {
   };
   using Verdict = expected<void, Rejection>;
 
-  Acceptance(const Config& config, const StartConfirmation::Config& confirmation)
-      : config_(config), start_(confirmation) {}
+  Acceptance(const Config& config,
+             const StartConfirmation::Config& confirmation,
+             const PlaceDoubt::Config& doubt)
+      : config_(config), start_(confirmation), doubt_(doubt) {}
 
   /// Whether there is enough to begin with.
   [[nodiscard]] Verdict check_window(bool has_start_pose, std::size_t keyframes) const;
@@ -123,6 +126,14 @@ class Acceptance {
                   const Pose& T_odom_body,
                   const TravelledPath& path);
 
+  /// What became of a window, in the order of their newest keyframes; see PlaceDoubt.
+  void conclude(const std::optional<Rejection>& rejection, double travelled_m) {
+    doubt_.take(rejection, travelled_m);
+  }
+
+  /// Whether the place of the session is no longer believed.
+  [[nodiscard]] bool is_lost() const { return doubt_.is_lost(); }
+
   /// By the last solution, while the session's first place is unconfirmed.
   [[nodiscard]] const std::optional<Pose>& unconfirmed_T_map_odom() const {
     return start_.last_T_map_odom();
@@ -136,6 +147,7 @@ class Acceptance {
   Config config_;
   int refused_in_a_row_ = 0;  // by the innovation gate alone
   StartConfirmation start_;
+  PlaceDoubt doubt_;
 };
 
 Acceptance::Config read_acceptance_config(ConfigReader section);

@@ -79,6 +79,12 @@ class FirstPlace {
   /// Whatever was tried on the way so far, the next search is due.
   void begin_anew() { begun_at_m_.reset(); }
 
+  /// In the whole map, wherever the session began.
+  void forget_region() { region_.reset(); }
+
+  /// Gives up a search that is running.
+  void stop() { search_.reset(); }
+
   /// One turn.
   /// @return T_map_odom of the place, once it is certain
   std::optional<Pose> advance();

@@ -11,6 +11,7 @@ namespace fleetloc {
 /// What the rounds of association and optimization have made of a window.
 struct MapFit {
   Association association;         ///< of the last round
+  Association recent;              ///< at the end, of what only the newest keyframes have seen
   MapConstraint constraint;        ///< by the matches that were optimized last
   bool is_solved = false;          ///< the solver could use the result of the last optimization
   int rounds = 0;                  ///< that came to an optimization

@@ -16,6 +16,8 @@ std::string_view name(Rejection rejection) {
       return "too_few_matches";
     case kDisagreement:
       return "disagreement";
+    case kRecentDisagreement:
+      return "recent_disagreement";
     case kNotSolved:
       return "not_solved";
     case kNotSettled:
@@ -36,6 +38,30 @@ std::string_view name(Rejection rejection) {
   return "unknown";
 }
 
+// What passes the checks of a place and is not certain yet speaks for it.
+PlaceEvidence evidence_of(Rejection rejection) {
+  switch (rejection) {
+    case kTooFewMatches:
+    case kDisagreement:
+    case kRecentDisagreement:
+    case kNotSettled:
+    case kPoorFit:
+    case kInnovation:
+      return PlaceEvidence::kAgainst;
+    case kSingular:
+    case kWeak:
+    case kUnconfirmed:
+      return PlaceEvidence::kFor;
+    case kSearching:
+    case kTooFewKeyframes:
+    case kNotCovered:
+    case kNotSolved:
+    case kBelowGround:
+      return PlaceEvidence::kNone;
+  }
+  return PlaceEvidence::kNone;
+}
+
 LocalizationStatus status_of(Rejection rejection) {
   switch (rejection) {
     case kSearching:
@@ -46,6 +72,7 @@ LocalizationStatus status_of(Rejection rejection) {
       return LocalizationStatus::kNoMapCoverage;
     case kTooFewMatches:
     case kDisagreement:
+    case kRecentDisagreement:
       return LocalizationStatus::kTooFewMatches;
     case kNotSolved:
     case kNotSettled:

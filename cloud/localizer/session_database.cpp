@@ -86,6 +86,12 @@ void SessionDatabase::forget_solutions() {
   for (auto& [id, landmark] : landmarks_) landmark.p_map.reset();
 }
 
+void SessionDatabase::forget_before(KeyframeId first) {
+  horizon_ = first;
+  keyframes_.erase(keyframes_.begin(), keyframes_.lower_bound(first));
+  forget_unobserved();
+}
+
 void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
   if (item.id < horizon_) {
     ++added.stale;
@@ -157,7 +163,10 @@ void SessionDatabase::forget_behind_window() {
     horizon_ = keyframes_.begin()->first;
     unobserved_landmarks_ = true;
   }
-  if (!unobserved_landmarks_) return;
+  if (unobserved_landmarks_) forget_unobserved();
+}
+
+void SessionDatabase::forget_unobserved() {
   unobserved_landmarks_ = false;
   std::erase_if(edges_, [this](const auto& entry) { return entry.second.from < horizon_; });
 
@@ -199,6 +208,17 @@ std::vector<KeyframeId> SessionDatabase::window() const {
     if (components.are_joined(id, newest)) window.push_back(id);
   }
   return window;
+}
+
+std::vector<LandmarkId> SessionDatabase::seen_by(std::span<const KeyframeId> keyframes) const {
+  std::vector<LandmarkId> seen;
+  for (const KeyframeId id : keyframes) {
+    for (const StereoObservation& observation : keyframes_.at(id).item.observations) {
+      seen.push_back(observation.landmark);
+    }
+  }
+  std::ranges::sort(seen);
+  return seen;
 }
 
 std::map<KeyframeId, Pose> SessionDatabase::placed(const std::vector<KeyframeId>& window,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,9 @@ class SessionDatabase {
   /// What the robot has sent stays.
   void forget_solutions();
 
+  /// As if nothing before this keyframe, which there must be, had ever been sent.
+  void forget_before(KeyframeId first);
+
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
   /// The keyframes that edges connect with the newest one, oldest first.
@@ -73,6 +77,9 @@ class SessionDatabase {
   [[nodiscard]] const Keyframe& keyframe(KeyframeId id) const { return keyframes_.at(id); }
   [[nodiscard]] const std::map<KeyframeId, Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::map<LandmarkId, Landmark>& landmarks() const { return landmarks_; }
+
+  /// The landmarks that these keyframes observe, sorted; some several times.
+  [[nodiscard]] std::vector<LandmarkId> seen_by(std::span<const KeyframeId> keyframes) const;
 
   /// Poses in the map for the keyframes of `window`: the cloud's solution where there is one, else
   /// chained along spanning edges from a solved keyframe, else by `T_map_odom` where no solved
@@ -93,6 +100,7 @@ class SessionDatabase {
   void add_edge(const VirtualEdge& edge, Added& added);
   void add_estimates(const Submap& submap);
   void forget_behind_window();
+  void forget_unobserved();
 
   Config config_;
   std::map<KeyframeId, Keyframe> keyframes_;

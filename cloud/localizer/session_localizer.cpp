@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -33,29 +34,29 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
                                    std::shared_ptr<const MapPyramid> pyramid)
     : map_(std::move(map)),
       config_(config),
+      stereo_(session.stereo),
       database_(config_.database),
       problem_(session.stereo, config_.database.window, config_.problem),
       alignment_(*map_, config_.association, config_.alignment),
       nearest_(*map_),
       dead_reckoning_(session.start, config_.drift),
-      acceptance_(config_.acceptance, config_.confirmation) {
+      acceptance_(config_.acceptance, config_.confirmation, config_.place_doubt) {
   if (!pyramid) return;
   std::optional<FirstPlace::Region> region;
-  if (session.start) {
-    region = FirstPlace::region_of(*session.start, config_.first_place);
-    if (!region) return;
-    dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
-  }
+  if (session.start) region = FirstPlace::region_of(*session.start, config_.first_place);
+  if (region) dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
   const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
   first_place_.emplace(std::move(pyramid), alignment_, gates, config_.first_place, region);
 }
 
 void SessionLocalizer::add(const Submap& submap) {
+  has_news_ = true;
   database_.add(submap);
   dead_reckoning_.follow(database_.keyframes());
 }
 
 void SessionLocalizer::take_over(const SessionDatabase& database) {
+  has_news_ = true;
   database_ = database;
   database_.forget_solutions();
   dead_reckoning_.follow(database_.keyframes());
@@ -67,8 +68,10 @@ void SessionLocalizer::take_over(const SessionDatabase& database) {
 LocalizationResult SessionLocalizer::localize() {
   assert(!database_.empty());
   system_.reset();
+  const bool is_found = first_place_ && search();
+  const bool has_news = std::exchange(has_news_, false) || is_found;
+  if (!has_news && diagnostics_.rejection) return rejected(*diagnostics_.rejection, diagnostics_);
   const std::vector<KeyframeId> window = database_.window();
-  if (first_place_) search(window);
   const auto ready = acceptance_.check_window(dead_reckoning_.has_anchor(), window.size());
   if (!ready) return rejected(ready.error(), diagnostics_of(window));
 
@@ -77,54 +80,83 @@ LocalizationResult SessionLocalizer::localize() {
   if (!prediction.is_early) early_look_.reset();
   const std::optional<Look> looked = prediction.is_rough ? look(prediction) : early_look_;
   restrain(prediction.before);
-  const MapFit fit = fit_to_map(prediction);
+  const MapFit fit = fit_to_map(prediction, window);
   expected<Solution, Rejection> solution = accept(prediction, fit, looked);
 
   const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
+  acceptance_.conclude(solution ? std::nullopt : std::optional(solution.error()),
+                       dead_reckoning_.travelled_m(window.back()));
   if (!solution) return rejected(solution.error(), diagnostics);
   if (prediction.is_early) early_look_ = looked;
   store(solution->newest);
   return localized(std::move(*solution), diagnostics);
 }
 
-// Before the first localization: a search, in which the window is in odom.
-void SessionLocalizer::search(const std::vector<KeyframeId>& window) {
-  if (dead_reckoning_.is_localized()) return;
-  const double travelled_m = dead_reckoning_.travelled_m(window.back());
-  if (found_at_m_ && travelled_m - *found_at_m_ > config_.found_start.max_way_m) {
-    give_up_found_start();
-  }
-  if (dead_reckoning_.has_anchor()) return;
-  const double way_m = travelled_m - dead_reckoning_.travelled_m(window.front());
-  if (first_place_->is_due(way_m, travelled_m)) {
-    problem_.synchronize(database_, database_.placed(window, Pose{}));
-    first_place_->begin({problem_.landmarks(), database_.newest().item.T_odom_body}, travelled_m);
-  }
-  if (const auto T_map_odom = first_place_->advance()) start_at(*T_map_odom);
+// While there is no place, or none that is believed.
+// @return whether there is a place now
+bool SessionLocalizer::search() {
+  const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
+  const bool is_found = found_at_m_ && !dead_reckoning_.is_localized();
+  if (is_found && travelled_m - *found_at_m_ > config_.found_start.max_way_m) give_up_found_start();
+  if (dead_reckoning_.has_anchor() && !acceptance_.is_lost()) return false;
+  if (!first_place_->is_running()) begin_search(travelled_m);
+  const auto T_map_odom = first_place_->advance();
+  if (T_map_odom) start_at(*T_map_odom);
+  return T_map_odom.has_value();
 }
 
+// What the robot has sent since the session was localized last: what came before has its place.
+SessionDatabase SessionLocalizer::unexplained() const {
+  SessionDatabase result = database_;
+  result.forget_solutions();
+  if (!localized_until_) return result;
+  const auto first = result.keyframes().upper_bound(*localized_until_);
+  if (first != result.keyframes().end()) result.forget_before(first->first);
+  return result;
+}
+
+// With what is searched for in odom.
+void SessionLocalizer::begin_search(double travelled_m) {
+  const std::vector<KeyframeId> window = database_.window();
+  const auto first =
+      localized_until_ ? std::ranges::upper_bound(window, *localized_until_) : window.begin();
+  if (first == window.end()) return;
+  const double way_m = travelled_m - dead_reckoning_.travelled_m(*first);
+  if (!first_place_->is_due(way_m, travelled_m)) return;
+  const SessionDatabase seen = unexplained();
+  if (acceptance_.is_lost()) first_place_->forget_region();
+  WindowProblem problem(stereo_, config_.database.window, config_.problem);
+  problem.synchronize(seen, seen.placed(seen.window(), Pose{}));
+  first_place_->begin({problem.landmarks(), seen.newest().item.T_odom_body}, travelled_m);
+}
+
+// As a new session there, of what has not had a place so far.
 void SessionLocalizer::start_at(const Pose& T_map_odom) {
   const SubmapKeyframe& newest = database_.newest().item;
   const auto& sigma = config_.found_start;
   const Matrix6d A = adjoint(newest.T_odom_body);
   const double sigma_m = sigma.sigma_cells * first_place_->cell_m();
   const Matrix6d covariance = diagonal_covariance(sigma.sigma_rad, sigma_m);
-  dead_reckoning_ = DeadReckoning(MapOdomEstimate{.T_map_odom = T_map_odom,
-                                                  .covariance = A * covariance * A.transpose(),
-                                                  .p_odom = newest.T_odom_body.p},
-                                  config_.drift);
-  dead_reckoning_.follow(database_.keyframes());
+  begin_anew(MapOdomEstimate{.T_map_odom = T_map_odom,
+                             .covariance = A * covariance * A.transpose(),
+                             .p_odom = newest.T_odom_body.p});
   found_at_m_ = dead_reckoning_.travelled_m(newest.id);
-  problem_.move(T_map_odom);
 }
 
 void SessionLocalizer::give_up_found_start() {
   found_at_m_.reset();
+  begin_anew(std::nullopt);
+}
+
+void SessionLocalizer::begin_anew(const std::optional<MapOdomEstimate>& start) {
+  database_ = unexplained();
+  localized_until_.reset();
   first_place_->begin_anew();
-  dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
-  dead_reckoning_.follow(database_.keyframes());
-  acceptance_ = Acceptance(config_.acceptance, config_.confirmation);
   problem_.synchronize(database_, {});
+  dead_reckoning_ = DeadReckoning(start, config_.drift);
+  dead_reckoning_.follow(database_.keyframes());
+  acceptance_ = Acceptance(config_.acceptance, config_.confirmation, config_.place_doubt);
+  early_look_.reset();
 }
 
 // Brings the problem to the keyframes of the window, placed in the map (eq. 12). What it shares
@@ -203,16 +235,19 @@ void SessionLocalizer::restrain(const PosePrior& before) {
 // Rounds of association and optimization of E_loc (eq. 16), with a gate that shrinks. They end
 // where the pose comes back to a place where it was: it has settled, or goes to and fro for ever;
 // or where acceptance will reject the window.
-MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
+MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
+                                    const std::vector<KeyframeId>& window) {
   const auto& rounds = config_.rounds;
   const Convergence& until = prediction.is_rough ? rounds.rough : rounds.tracking;
   const KeyframeId newest = database_.newest().item.id;
   MapFit fit;
+  std::vector<WindowLandmark> landmarks;
   std::vector<Pose> visited;  // at the final gate
   double gate_m = rounds.tracking_gate_m;
   for (int round = 0; round < until.max_rounds; ++round) {
     const Pose before = problem_.pose(newest);
-    fit.association = associate(problem_.landmarks(), *map_, gate_m, config_.association, nearest_);
+    landmarks = problem_.landmarks();
+    fit.association = associate(landmarks, *map_, gate_m, config_.association, nearest_);
     if (!acceptance_.check_matches(fit.association)) break;
     problem_.set_matches(fit.association.matches);
     fit.add(problem_.solve(until.iterations, until.min_decrease));
@@ -229,12 +264,25 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction) {
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
+  keep_recent(landmarks, window);
+  fit.recent = associate(landmarks, *map_, gate_m, config_.association, nearest_);
   fit.constraint =
       analyze_map_constraint(fit.association.matches, config_.degeneracy.normal_sigma_rad);
   fit.median_residual =
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);
   return fit;
+}
+
+// Those that no older keyframe has seen; none as long as there is no older one.
+void SessionLocalizer::keep_recent(std::vector<WindowLandmark>& landmarks,
+                                   const std::vector<KeyframeId>& window) const {
+  const int older = static_cast<int>(window.size()) - config_.recent_keyframes;
+  if (older <= 0) return landmarks.clear();
+  const auto seen = database_.seen_by(std::span(window).first(static_cast<std::size_t>(older)));
+  std::erase_if(landmarks, [&seen](const WindowLandmark& landmark) {
+    return std::ranges::binary_search(seen, landmark.id);
+  });
 }
 
 // The place first: the window is linearized only where its covariance is of use.
@@ -269,6 +317,8 @@ void SessionLocalizer::store(const PoseWithCovariance& newest) {
   for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
   for (const auto& [id, p_map] : problem_.positions()) database_.store_solution(id, p_map);
   dead_reckoning_.restart(database_.newest().item, newest);
+  localized_until_ = database_.newest().item.id;
+  if (first_place_) first_place_->stop();
 }
 
 LocalizationResult SessionLocalizer::localized(Solution solution,
@@ -288,7 +338,7 @@ LocalizationResult SessionLocalizer::rejected(Rejection reason,
                                               const LocalizationDiagnostics& diagnostics) {
   diagnostics_ = diagnostics;
   diagnostics_.rejection = reason;
-  return answer(status_of(reason));
+  return answer(acceptance_.is_lost() ? LocalizationStatus::kLost : status_of(reason));
 }
 
 LocalizationResult SessionLocalizer::answer(LocalizationStatus status) const {

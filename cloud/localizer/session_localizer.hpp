@@ -13,6 +13,7 @@
 #include "cloud/localizer/map_correction.hpp"
 #include "cloud/localizer/map_fit.hpp"
 #include "cloud/localizer/nearest_neighbor_cache.hpp"
+#include "cloud/localizer/place_doubt.hpp"
 #include "cloud/localizer/prediction.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
@@ -35,7 +36,9 @@ namespace fleetloc {
 ///
 /// A session without a start pose begins with a search over the whole map (FirstPlace), one of
 /// which it is known roughly with a search around there. What it finds is a start pose like any
-/// other: it is given up if nothing is localized from it.
+/// other: it is given up if nothing is localized from it. A session whose place is no longer
+/// believed (PlaceDoubt) is lost: what was seen since its last localization is searched for, too,
+/// and begins anew from where it is found.
 ///
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
@@ -87,6 +90,8 @@ class SessionLocalizer {
     StartConfirmation::Config confirmation;
     FirstPlace::Config first_place;
     FoundStart found_start;
+    PlaceDoubt::Config place_doubt;
+    int recent_keyframes;  ///< the newest ones, of PlaceDoubt
     CovarianceInflation covariance_inflation;
     CorrectionConfig corrections;
   };
@@ -107,11 +112,11 @@ class SessionLocalizer {
   /// rejection leaves the stored solution as it was.
   LocalizationResult localize();
 
-  /// Whether a search for the first place goes on with the next localize(), also if nothing new is
-  /// added before it.
+  /// Whether a search goes on with the next localize(), also if nothing new is added before it:
+  /// then it does nothing else, unless a place is found.
   [[nodiscard]] bool is_searching() const { return first_place_ && first_place_->is_running(); }
 
-  /// See FirstPlace; 0 for a session with a start pose.
+  /// See FirstPlace; 0 for a session that never searched.
   [[nodiscard]] std::size_t places_left() const {
     return first_place_ ? first_place_->places_left() : 0;
   }
@@ -142,9 +147,12 @@ class SessionLocalizer {
     Matrix6d rivals;      // see RigidAlignment::Result, of that keyframe
   };
 
-  void search(const std::vector<KeyframeId>& window);
+  bool search();
+  [[nodiscard]] SessionDatabase unexplained() const;
+  void begin_search(double travelled_m);
   void start_at(const Pose& T_map_odom);
   void give_up_found_start();
+  void begin_anew(const std::optional<MapOdomEstimate>& start);
   void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
   [[nodiscard]] double gate_m(const PosePrior& prior) const;
@@ -152,7 +160,9 @@ class SessionLocalizer {
   Look look(const Prediction& prediction);
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
-  MapFit fit_to_map(const Prediction& prediction);
+  MapFit fit_to_map(const Prediction& prediction, const std::vector<KeyframeId>& window);
+  void keep_recent(std::vector<WindowLandmark>& landmarks,
+                   const std::vector<KeyframeId>& window) const;
   expected<Solution, Rejection> accept(const Prediction& prediction,
                                        const MapFit& fit,
                                        const std::optional<Look>& looked);
@@ -164,16 +174,19 @@ class SessionLocalizer {
 
   std::shared_ptr<const LaserMap> map_;
   Config config_;
+  RectifiedStereo stereo_;
   SessionDatabase database_;
   WindowProblem problem_;  // lives on from one localization to the next
   RigidAlignment alignment_;
   NearestNeighborCache nearest_;
   DeadReckoning dead_reckoning_;
   Acceptance acceptance_;
+  std::optional<KeyframeId> localized_until_;
   std::optional<FirstPlace> first_place_;
   std::optional<double> found_at_m_;  // travelled, of the start pose that was found last
   std::optional<Look> early_look_;    // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;
+  bool has_news_ = false;  // since the last localize()
   LocalizationDiagnostics diagnostics_;
 };
 

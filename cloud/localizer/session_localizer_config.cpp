@@ -51,6 +51,8 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
       .confirmation = read_start_confirmation_config(section.section("confirmation")),
       .first_place = read_first_place_config(section.section("first_place")),
       .found_start = read_found_start(section.section("found_start")),
+      .place_doubt = read_place_doubt_config(section.section("place_doubt")),
+      .recent_keyframes = section.integer("recent_keyframes", 1, 1000),
       .covariance_inflation = read_covariance_inflation(section.section("covariance_inflation")),
       .corrections = read_correction_config(section.section("corrections"))};
 }

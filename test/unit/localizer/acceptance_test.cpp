@@ -38,7 +38,9 @@ const PoseWithCovariance kUnknown{Pose{}, Matrix6d::Identity()};
 
 class AcceptanceTest : public testing::Test {
  protected:
-  static Acceptance session() { return {config().acceptance, config().confirmation}; }
+  static Acceptance session() {
+    return {config().acceptance, config().confirmation, config().place_doubt};
+  }
 
   static MapFit fit_of(const std::vector<WindowLandmark>& landmarks) {
     static const LaserMap map = yard();
@@ -124,6 +126,42 @@ TEST_F(AcceptanceTest, RefusesAHandfulOfMatches) {
     if (number_of(landmark) % 5 != 0) put_before(landmark, 0.5);
   }
   EXPECT_EQ(said_of(landmarks), "too_few_matches");
+}
+
+// As of a robot that was carried away: the older landmarks hold the window where it was.
+TEST_F(AcceptanceTest, RefusesAWindowOfWhichWhatWasSeenLastFitsNothing) {
+  Acceptance acceptance = session();
+  MapFit fit = fit_of(landmarks_of_yard(1.0));
+  const auto said_with_recent = [&](const Pose& T_map_seen) {
+    fit.recent = fit_of(moved(landmarks_of_yard(1.0), T_map_seen)).association;
+    return said(acceptance.check_fit(fit, false));
+  };
+  const Pose elsewhere{exp_so3({0.0, 0.0, 0.6}), {2.0, 3.0, 0.0}};
+  EXPECT_EQ(said_with_recent(Pose{}), "accepted");
+  EXPECT_EQ(said_with_recent(elsewhere), "recent_disagreement");
+  EXPECT_EQ(said_with_recent({Eigen::Quaterniond::Identity(), {60.0, 0.0, 0.0}}),
+            "recent_disagreement")
+      << "outside of the map nothing takes it back";
+  EXPECT_EQ(said_with_recent(Pose{}), "accepted");
+}
+
+// A quarter of the walls is still as in the map.
+TEST_F(AcceptanceTest, GetsUsedToASceneThatHasChanged) {
+  std::vector<WindowLandmark> changed = landmarks_of_yard(1.0);
+  for (WindowLandmark& landmark : changed) {
+    if (number_of(landmark) >= kOnGround && number_of(landmark) % 4 != 0) {
+      put_before(landmark, 0.5);
+    }
+  }
+  Acceptance acceptance = session();
+  MapFit fit = fit_of(landmarks_of_yard(1.0));
+  fit.recent = fit.association;
+  EXPECT_EQ(said(acceptance.check_fit(fit, false)), "accepted");
+  fit.recent = fit_of(changed).association;
+  EXPECT_EQ(said(acceptance.check_fit(fit, false)), "recent_disagreement");
+  int windows = 1;
+  while (!acceptance.check_fit(fit, false)) ASSERT_LT(++windows, 200);
+  EXPECT_GT(windows, 20);
 }
 
 TEST_F(AcceptanceTest, RefusesAPlaceWhereTheGroundFitsAndNothingElse) {

@@ -7,15 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "cloud/localizer/session_localizer.hpp"
-#include "cloud/locate/pyramid_config.hpp"
 #include "simulated_session.hpp"
 #include "simulated_yard.hpp"
 
 namespace fleetloc {
 namespace {
-
-constexpr PyramidConfig kPyramid{
-    .min_cell_m = 0.25, .max_cell_m = 0.5, .cells = 400, .levels = 6, .level_from = 0.9};
 
 RobotSession without_start(const SimulatedSession& robot) {
   RobotSession session = robot.session();
@@ -49,7 +45,7 @@ std::optional<int> first_localized(SessionLocalizer& localizer,
 TEST(FirstPlace, IsFoundInARoomOrSaidToBeOneOfTwo) {
   constexpr int kSeeds = 10;
   constexpr int kKeyframes = 40;
-  const auto pyramid = make_pyramid(*room_map(), kPyramid);
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   int found = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const SimulatedSession robot({.seed = seed});
@@ -71,7 +67,7 @@ TEST(FirstPlace, IsFoundInARoomOrSaidToBeOneOfTwo) {
 
 TEST(FirstPlace, IsNotAcceptedInTheMapOfAnotherPlace) {
   const auto another = std::make_shared<const LaserMap>(yard());
-  const auto pyramid = make_pyramid(*another, kPyramid);
+  const auto pyramid = make_pyramid(*another, kSmallPyramid);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SimulatedSession robot({.seed = seed});
     SessionLocalizer localizer(without_start(robot), another, localizer_config(), pyramid);
@@ -104,7 +100,7 @@ TEST(FirstPlace, OfAStartPoseIsSearchedAroundItIfThatIsUncertain) {
 }
 
 TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
-  const auto pyramid = make_pyramid(*room_map(), kPyramid);
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SimulatedSession robot({.seed = seed, .start_yaw_rad = 2.0});
@@ -117,7 +113,7 @@ TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
 }
 
 TEST(FirstPlace, IsLookedForOnlyOnTheWay) {
-  const auto pyramid = make_pyramid(*room_map(), kPyramid);
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   const SimulatedSession robot({.seed = 1});
   SessionLocalizer localizer(without_start(robot), room_map(), localizer_config(), pyramid);
   const LocalizationResult answer = answer_to(localizer, robot, 0);

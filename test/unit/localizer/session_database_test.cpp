@@ -42,6 +42,26 @@ SessionDatabase row(unsigned first, unsigned last) {
   return database;
 }
 
+TEST(SessionDatabase, ForgetsWhatIsBeforeAKeyframeForGood) {
+  SessionDatabase database = row(1, 4);
+  database.forget_before(KeyframeId{3});
+  EXPECT_THAT(database.window(), ElementsAre(KeyframeId{3}, KeyframeId{4}));
+  EXPECT_EQ(database.landmarks().size(), 2U);
+  EXPECT_EQ(database.spanning_edges().size(), 1U);
+  Submap again;
+  again.keyframes = {keyframe(2, {2}, 7)};
+  EXPECT_EQ(database.add(again), (SessionDatabase::Added{.stale = 1}));
+}
+
+TEST(SessionDatabase, TellsWhatKeyframesHaveSeen) {
+  SessionDatabase database({.window = kWindow});
+  Submap submap;
+  submap.keyframes = {keyframe(1, {5, 9}), keyframe(2, {4, 9}), keyframe(3, {1})};
+  database.add(submap);
+  EXPECT_THAT(database.seen_by(std::vector{KeyframeId{1}, KeyframeId{2}}),
+              ElementsAre(LandmarkId{4}, LandmarkId{5}, LandmarkId{9}, LandmarkId{9}));
+}
+
 TEST(SessionDatabase, KeepsTheNewestRevisionAndCountsNothingTwice) {
   SessionDatabase database = row(1, 3);
   Submap again;

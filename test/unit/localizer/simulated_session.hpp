@@ -7,6 +7,7 @@
 
 #include "cloud/laser_map/laser_map.hpp"
 #include "cloud/localizer/session_localizer.hpp"
+#include "cloud/locate/pyramid_config.hpp"
 #include "deploy/sim/room/simulated_run.hpp"
 #include "shared/core/counter_random.hpp"
 #include "shared/model/session.hpp"
@@ -16,6 +17,10 @@ namespace fleetloc {
 
 /// The values of deploy/config/cloud.yaml.
 SessionLocalizer::Config localizer_config();
+
+/// Of a room or a yard.
+inline constexpr PyramidConfig kSmallPyramid{
+    .min_cell_m = 0.25, .max_cell_m = 0.5, .cells = 400, .levels = 6, .level_from = 0.9};
 
 /// The simulated room as a laser map, with noise; made once.
 std::shared_ptr<const LaserMap> room_map();
