@@ -22,9 +22,13 @@ constexpr double kRound = 100.0;  // at least so long takes one around the block
 const std::vector<fs::path> kMakers{
     FLEETLOC_SIM, FLEETLOC_MAP, kWorlds / "campus.yaml", kWorlds / "quad.yaml"};
 
-void simulate(const fs::path& out, const fs::path& route, const Words& more) {
-  const fs::path config = out.parent_path() / "ten_hertz.yaml";
-  std::ofstream(config) << "sim: {images: {rate_hz: 10}}\n";
+/// @param carried  of `sim`, with a comma before it
+void simulate(const fs::path& out,
+              const fs::path& route,
+              const Words& more,
+              const std::string& carried = "") {
+  const fs::path config = out.parent_path() / "sim.yaml";
+  std::ofstream(config) << "sim: {images: {rate_hz: 10}" << carried << "}\n";
   Words words{"--scene",
               kWorlds / "campus.yaml",
               "--route",
@@ -78,6 +82,20 @@ DrivenWorld DrivenWorld::kept(double min_s) {
   return {.map = kKept / "campus" / "map.pcd",
           .forward = drive(drives / "forward"),
           .reverse = drive(drives / "reverse")};
+}
+
+RecordedFlight DrivenWorld::carried(int at_s, int to_s) {
+  const std::string part = std::to_string(at_s) + "_" + std::to_string(to_s);
+  const std::string carried =
+      ", carried: {at_s: " + std::to_string(at_s) + ", for_s: " + std::to_string(to_s - at_s) + "}";
+  const fs::path folder = kKept / ("carried_" + part);
+  keep(folder, kMakers, [&carried](const fs::path& made) {
+    simulate(made / "drive",
+             route(made, 2, false),
+             {"--seed", "4", "--tracks", "--duration", "100"},
+             carried);
+  });
+  return drive(folder / "drive");
 }
 
 }  // namespace fleetloc

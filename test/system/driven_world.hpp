@@ -17,6 +17,10 @@ struct DrivenWorld {
   /// meanwhile. Throws std::runtime_error with what a program said.
   /// @param min_s  length of the drives, in laps of 108 s
   static DrivenWorld kept(double min_s = 100.0);
+
+  /// Tracks of another drive forwards, of 100 s, in which somebody carries the robot from where it
+  /// is at `at_s` to where it is at `to_s`, and no sensor takes notice. Kept as well.
+  static RecordedFlight carried(int at_s, int to_s);
 };
 
 }  // namespace fleetloc
