@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <iterator>
+#include <ranges>
 
 namespace fleetloc {
 namespace {
@@ -170,13 +171,9 @@ void SessionDatabase::forget_unobserved() {
   unobserved_landmarks_ = false;
   std::erase_if(edges_, [this](const auto& entry) { return entry.second.from < horizon_; });
 
-  std::vector<LandmarkId> seen;
-  for (const auto& [id, keyframe] : keyframes_) {
-    for (const StereoObservation& observation : keyframe.item.observations) {
-      seen.push_back(observation.landmark);
-    }
-  }
-  std::ranges::sort(seen);
+  std::vector<KeyframeId> kept;
+  std::ranges::copy(std::views::keys(keyframes_), std::back_inserter(kept));
+  const std::vector<LandmarkId> seen = seen_by(kept);
   std::erase_if(landmarks_, [&seen](const auto& entry) {
     return !std::ranges::binary_search(seen, entry.first);
   });
