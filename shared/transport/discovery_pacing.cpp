@@ -16,7 +16,7 @@ void DiscoveryPacing::send_later(RtpsBytes bytes,
                                  const Locator& to,
                                  const std::function<void()>& send,
                                  DelayLine& line) {
-  auto datagram = DiscoveryDatagram::read(bytes);
+  auto datagram = RepeatedDatagram::read(bytes);
   datagram->address_to(socket, to);
   const auto queue = queue_to(to);
   const std::size_t wire_bytes = bytes.size() + kIpUdpBytes;

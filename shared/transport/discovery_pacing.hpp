@@ -25,7 +25,9 @@ class DiscoveryPacing {
   [[nodiscard]] bool is_limited() const { return bytes_per_s_ > 0.0; }
   /// Whether the datagram has to wait for its turn.
   [[nodiscard]] bool limits(RtpsBytes datagram) const {
-    return is_limited() && DiscoveryDatagram::read(datagram).has_value();
+    if (!is_limited()) return false;
+    const auto repeated = RepeatedDatagram::read(datagram);
+    return repeated && repeated->is_discovery;
   }
 
   /// Calls `send` when it is this datagram's turn, at once or on the thread of `line`; never if it

@@ -2,10 +2,11 @@
 
 #include <cstdint>
 #include <mutex>
-#include <utility>
+#include <set>
 #include <vector>
 
 #include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/network/SenderResource.h>
 
 #include "shared/transport/workarounds/rtps_message.hpp"
 
@@ -15,26 +16,33 @@ namespace fleetloc {
 class LatestAnnouncement {
  public:
   using LocatorList = eprosima::fastdds::rtps::LocatorList;
+  using Socket = eprosima::fastrtps::rtps::SenderResource;
 
-  void sent(RtpsBytes datagram, const LocatorList& destinations) {
+  struct Sent {
+    std::vector<std::uint8_t> datagram;  ///< empty until there is one
+    LocatorList destinations;
+    std::set<Socket*> sockets;  ///< all that it was given to, one after the other
+  };
+
+  /// @param datagram  any that is sent
+  void sent(Socket* socket, RtpsBytes datagram, const LocatorList& destinations) {
     if (!participant_sample_in(datagram)) return;
     const std::lock_guard lock(mutex_);
-    datagram_.clear();  // nobody who has said that he goes is announced again
+    latest_.datagram.clear();  // nobody who has said that he goes is announced again
     if (!is_announcement(datagram)) return;
-    datagram_.assign(datagram.begin(), datagram.end());
-    destinations_ = destinations;
+    latest_.datagram.assign(datagram.begin(), datagram.end());
+    latest_.destinations = destinations;
+    latest_.sockets.insert(socket);
   }
 
-  /// Empty until there is one.
-  [[nodiscard]] std::pair<std::vector<std::uint8_t>, LocatorList> latest() const {
+  [[nodiscard]] Sent latest() const {
     const std::lock_guard lock(mutex_);
-    return {datagram_, destinations_};
+    return latest_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<std::uint8_t> datagram_;  // guarded by mutex_
-  LocatorList destinations_;            // guarded by mutex_
+  Sent latest_;  // guarded by mutex_
 };
 
 }  // namespace fleetloc

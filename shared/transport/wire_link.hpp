@@ -25,8 +25,8 @@ struct WireLink {
   /// Of discovery [bytes a second, on the wire]: all that a robot sends, and what a localizer sends
   /// to each address. 0: as much as there is.
   double max_discovery_bytes_per_s = 0.0;
-  /// Of what discovery has to say again and again, see DiscoveryRepetition.
-  int max_discovery_copies = 1;
+  /// Of what discovery and reliable endpoints have to say again and again, see RepetitionCopies.
+  int max_copies = 1;
   /// Participants of the same process are not discovered, so what they send here is no traffic.
   bool ignores_own_process = false;
   std::optional<EmulatedLink> emulated;

@@ -12,6 +12,7 @@
 #include <fastdds/rtps/transport/UDPTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include "shared/link/datagrams.hpp"
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/discovery_pacing.hpp"
 #include "shared/transport/latest_announcement.hpp"
@@ -19,9 +20,9 @@
 #include "shared/transport/own_datagrams.hpp"
 #include "shared/transport/workarounds/announcement_repetition.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
-#include "shared/transport/workarounds/discovery_repetition.hpp"
 #include "shared/transport/workarounds/gap_budget.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
+#include "shared/transport/workarounds/repetition_copies.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
 
@@ -76,7 +77,9 @@ class WireTransport final : public fdr::ChainingTransport {
         has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
         discovery_(link_->role, link_->max_discovery_bytes_per_s),
-        repetition_(link_->max_discovery_copies) {}
+        repetition_(link_->max_copies),
+        // A robot's narrow link bears no copies for somebody who may not hear it.
+        strangers_(link_->role == ChannelRole::kCloud ? link_->max_copies : 1) {}
   ~WireTransport() override { stop(); }
   WireTransport(const WireTransport&) = delete;
   WireTransport& operator=(const WireTransport&) = delete;
@@ -127,14 +130,24 @@ class WireTransport final : public fdr::ChainingTransport {
   /// Whoever has been heard and does not know this participant.
   void announce_to_strangers(RtpsBytes datagram, Clock::time_point now);
   void announce_again(const GuidPrefix& to, Clock::time_point due);
+  /// Whoever may be there, while nobody knows this participant.
+  void announce_to_all(Clock::time_point due);
+  /// In so many copies.
+  void announce(const LatestAnnouncement::Sent& announcement, int copies);
   /// For later, to one destination; copies the datagram.
   std::function<void()> passed_on(rtps::SenderResource* socket,
                                   RtpsBytes datagram,
                                   const rtps::Locator_t& to);
-  /// More of what discovery has to say again.
+  /// More of what the library repeats.
+  void repeat_where_it_is_lost(rtps::SenderResource* socket,
+                               RtpsBytes datagram,
+                               const fdr::LocatorList& destinations,
+                               Clock::time_point now);
+  /// A number of them, one after the other.
   void send_copies(rtps::SenderResource* socket,
                    RtpsBytes datagram,
-                   const fdr::LocatorList& destinations,
+                   const rtps::Locator_t& to,
+                   int number,
                    Clock::time_point now);
   /// What comes behind the selection of destinations.
   bool pass_on(rtps::SenderResource* socket,
@@ -176,7 +189,7 @@ class WireTransport final : public fdr::ChainingTransport {
   InitialAckPacing initial_acks_;
   std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   DiscoveryPacing discovery_;
-  DiscoveryRepetition repetition_;
+  RepetitionCopies repetition_;
   AnnouncementRepetition strangers_;
   LatestAnnouncement announcement_;
   DelayLine delay_line_;  // last, so that it ends before what it uses
@@ -217,11 +230,14 @@ bool WireTransport::send(rtps::SenderResource* socket,
   const RtpsBytes datagram = without_statistics({buffer, size});
   const Clock::time_point now = Clock::now();
   rtps::SenderResource* none = nullptr;  // yet; they are called in their order
-  if (first_socket_ == none) first_socket_.compare_exchange_strong(none, socket);
+  if (first_socket_ == none && first_socket_.compare_exchange_strong(none, socket) &&
+      link_->role == ChannelRole::kRobot && link_->max_copies > 1) {
+    announce_to_all(now + AnnouncementRepetition::kFirstToAll);
+  }
   own_.sent(datagram);
   if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
-  if (socket == first_socket_) announcement_.sent(datagram, destinations);
+  announcement_.sent(socket, datagram, destinations);
   return send_as_often_as_needed(socket, datagram, destinations, timeout);
 }
 
@@ -231,7 +247,7 @@ bool WireTransport::send_as_often_as_needed(rtps::SenderResource* socket,
                                             const fdr::LocatorList& destinations,
                                             Clock::time_point timeout) {
   if (!discovery_.limits(datagram)) {
-    send_copies(socket, datagram, destinations, Clock::now());
+    repeat_where_it_is_lost(socket, datagram, destinations, Clock::now());
     return pass_on(socket, datagram, destinations, timeout);
   }
   for (const rtps::Locator_t& to : destinations) {
@@ -252,21 +268,35 @@ std::function<void()> WireTransport::passed_on(rtps::SenderResource* socket,
   };
 }
 
-void WireTransport::send_copies(rtps::SenderResource* socket,
-                                RtpsBytes datagram,
-                                const fdr::LocatorList& destinations,
-                                Clock::time_point now) {
+void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
+                                            RtpsBytes datagram,
+                                            const fdr::LocatorList& destinations,
+                                            Clock::time_point now) {
+  if (link_->max_copies <= 1) return;
   if (!strangers_.is_known()) return;           // nobody would understand it
   if (participant_sample_in(datagram)) return;  // as often as the profile says
-  const auto discovery = DiscoveryDatagram::read(datagram);
-  if (!discovery) return;
+  const auto repeated = RepeatedDatagram::read(datagram);
+  if (!repeated) return;
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    DiscoveryDatagram addressed = *discovery;
+    RepeatedDatagram addressed = *repeated;
     addressed.address_to(socket, locator_of(to));
-    for (int i = repetition_.copies(addressed, now) - 1; i > 0; --i) {
-      delay_line_.at(now + i * kBetweenCopies, passed_on(socket, datagram, to));
-    }
+    send_copies(
+        socket,
+        datagram,
+        to,
+        repetition_.copies(addressed, locator_of(to), datagram.size() + kIpUdpBytes, now) - 1,
+        now);
+  }
+}
+
+void WireTransport::send_copies(rtps::SenderResource* socket,
+                                RtpsBytes datagram,
+                                const rtps::Locator_t& to,
+                                int number,
+                                Clock::time_point now) {
+  for (int i = 1; i <= number; ++i) {
+    delay_line_.at(now + i * kBetweenCopies, passed_on(socket, datagram, to));
   }
 }
 
@@ -376,14 +406,38 @@ void WireTransport::announce_to_strangers(RtpsBytes datagram, Clock::time_point 
 
 void WireTransport::announce_again(const GuidPrefix& to, Clock::time_point due) {
   delay_line_.at(due, [this, to, due] {
-    const auto pause = strangers_.again(to);
-    if (!pause) return;
-    const auto [datagram, destinations] = announcement_.latest();
-    if (!datagram.empty()) {
-      send_as_often_as_needed(first_socket_, datagram, destinations, Clock::now() + kPatience);
+    const auto again = strangers_.again(to);
+    if (!again) return;
+    LatestAnnouncement::Sent announcement = announcement_.latest();
+    fdr::LocatorList its_own;
+    for (const rtps::Locator_t& one : announcement.destinations) {
+      if (link_->addresses.is_of(to, locator_of(one))) its_own.push_back(one);
     }
-    announce_again(to, due + *pause);
+    if (!its_own.empty()) announcement.destinations = its_own;
+    announce(announcement, its_own.empty() ? 1 : again->copies);
+    announce_again(to, due + again->next);
   });
+}
+
+void WireTransport::announce_to_all(Clock::time_point due) {
+  delay_line_.at(due, [this, due] {
+    const auto pause = strangers_.again_to_all();
+    if (!pause) return;
+    announce(announcement_.latest(), 1);
+    announce_to_all(due + *pause);
+  });
+}
+
+void WireTransport::announce(const LatestAnnouncement::Sent& announcement, int copies) {
+  if (announcement.datagram.empty()) return;
+  const Clock::time_point now = Clock::now();
+  for (rtps::SenderResource* socket : announcement.sockets) {
+    send_as_often_as_needed(
+        socket, announcement.datagram, announcement.destinations, now + kPatience);
+    for (const rtps::Locator_t& to : announcement.destinations) {
+      if (sends(socket, to)) send_copies(socket, announcement.datagram, to, copies - 1, now);
+    }
+  }
 }
 
 fdr::TransportInterface* WireDescriptor::create_transport() const {

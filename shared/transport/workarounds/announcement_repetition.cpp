@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kFirstRepetition{500};
 constexpr int kTries = 5;                               // within 16 s
+constexpr int kTriesToAll = 40;                         // within 40 to 320 s
 constexpr std::chrono::minutes kStrangerForgotten{10};  // longer than any lease
 constexpr std::size_t kManyStrangers = 2000;            // then those are dropped that are forgotten
 
@@ -44,13 +45,20 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
   return knows_us ? std::nullopt : std::optional<Pause>(kFirstRepetition);
 }
 
-std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::again(
+std::optional<AnnouncementRepetition::Due> AnnouncementRepetition::again(
     const GuidPrefix& participant) {
   const std::lock_guard lock(mutex_);
   const auto known = strangers_.find(participant);
   if (known == strangers_.end() || known->second.knows_us) return std::nullopt;
   if (++known->second.tries > kTries) return std::nullopt;
-  return (1 << known->second.tries) * kFirstRepetition;
+  const int doubled = 1 << known->second.tries;
+  return Due{.copies = std::min(doubled, max_copies_), .next = doubled * kFirstRepetition};
+}
+
+std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::again_to_all() {
+  if (is_known() || ++tries_to_all_ > kTriesToAll) return std::nullopt;
+  const std::lock_guard lock(mutex_);
+  return strangers_.empty() ? kFirstToAll : 8 * kFirstToAll;
 }
 
 }  // namespace fleetloc

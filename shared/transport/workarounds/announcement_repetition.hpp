@@ -14,9 +14,10 @@
 
 namespace fleetloc {
 
-/// Says when this participant's announcement is to be repeated for somebody who has announced
-/// itself and does not know it yet: nothing has come from there that is addressed to it. The pauses
-/// double, and end after some tries: who hears nothing is left to the periodic announcements.
+/// Says when this participant's announcement is to be repeated: for somebody who has announced
+/// himself and does not know it yet, since nothing has come from there that is addressed to it; and
+/// for whoever may be there, while nobody knows it. For the former the pauses double, and so do the
+/// copies. Both end after some tries: who hears nothing is left to the periodic announcements.
 ///
 /// No clock, no I/O. Any thread may use any function.
 class AnnouncementRepetition {
@@ -24,14 +25,28 @@ class AnnouncementRepetition {
   using Time = std::chrono::steady_clock::time_point;
   using Pause = std::chrono::steady_clock::duration;
 
+  /// An announcement that is due.
+  struct Due {
+    int copies = 1;
+    Pause next{};  ///< until the next one is to be asked for
+  };
+
+  /// @param max_copies  of an announcement to one participant, at least one
+  explicit AnnouncementRepetition(int max_copies) : max_copies_(max_copies) {}
+
   /// @param datagram  that has arrived, well-formed RTPS
   /// @param own       of this participant
   /// @return until again() is to be asked about its sender; nothing if it is not new
   std::optional<Pause> heard(RtpsBytes datagram, const GuidPrefix& own, Time now);
 
-  /// Nothing if the participant knows this one by now, or there have been enough tries. Otherwise
-  /// the announcement is due, and this is the pause until again() is to be asked again.
-  std::optional<Pause> again(const GuidPrefix& participant);
+  /// Nothing if the participant knows this one by now, or there have been enough tries.
+  std::optional<Due> again(const GuidPrefix& participant);
+
+  /// To whoever may be there, from the first announcement on: until the next one is due; twice as
+  /// long once somebody is heard, to whom more is sent. Nothing once anybody knows this
+  /// participant, or after enough tries.
+  std::optional<Pause> again_to_all();
+  static constexpr std::chrono::seconds kFirstToAll{1};
 
   /// Whether anybody has shown that it knows this participant.
   [[nodiscard]] bool is_known() const { return is_known_.load(std::memory_order_relaxed); }
@@ -43,7 +58,9 @@ class AnnouncementRepetition {
     int tries = 0;
   };
 
+  const int max_copies_;
   std::atomic<bool> is_known_ = false;
+  std::atomic<int> tries_to_all_ = 0;
   std::mutex mutex_;
   std::map<GuidPrefix, Stranger> strangers_;  // guarded by mutex_
 };

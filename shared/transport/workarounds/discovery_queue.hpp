@@ -17,28 +17,9 @@
 #include <optional>
 #include <vector>
 
-#include "shared/transport/workarounds/peer_address_filter.hpp"
-#include "shared/transport/workarounds/rtps_message.hpp"
+#include "shared/transport/workarounds/repeated_datagram.hpp"
 
 namespace fleetloc {
-
-/// A datagram of built-in endpoints alone.
-struct DiscoveryDatagram {
-  /// What it is about: of two that are about the same, to one destination, the later one says all
-  /// that the earlier one does.
-  std::vector<std::uint8_t> subject;
-  /// What it says: all but how often it was said.
-  std::vector<std::uint8_t> statement;
-  /// After which it may be worth saying again.
-  std::chrono::milliseconds worth_repeating_after{};
-
-  /// Nothing for all others.
-  static std::optional<DiscoveryDatagram> read(RtpsBytes datagram);
-
-  /// Where to: what goes elsewhere is about something else.
-  /// @param socket  only tells those of one socket from those of another
-  void address_to(const void* socket, const PeerAddressFilter::Locator& to);
-};
 
 /// Datagrams of discovery that wait, so that there are at most so many bytes of them a second. Of
 /// those about the same only the newest waits, in the place of the first; what has just been said
@@ -53,15 +34,15 @@ class DiscoveryQueue {
   explicit DiscoveryQueue(double bytes_per_s) : bytes_per_s_(bytes_per_s) {}
 
   /// True if it has been said just now, and has nothing to add.
-  [[nodiscard]] bool has_just_said(const DiscoveryDatagram& datagram, Time now);
+  [[nodiscard]] bool has_just_said(const RepeatedDatagram& datagram, Time now);
 
   /// True if it may be sent at once, since nothing waits. Counts it.
-  bool passes(const DiscoveryDatagram& datagram, std::size_t bytes, Time now);
+  bool passes(const RepeatedDatagram& datagram, std::size_t bytes, Time now);
 
   /// @param datagram  that knows where it is sent
   /// @param bytes     on the wire
   /// @return when take() is to be called, unless such a call is due already
-  std::optional<Time> put(DiscoveryDatagram datagram,
+  std::optional<Time> put(RepeatedDatagram datagram,
                           std::size_t bytes,
                           std::function<void()> send,
                           Time now);
@@ -74,12 +55,12 @@ class DiscoveryQueue {
 
  private:
   struct Waiting {
-    DiscoveryDatagram datagram;
+    RepeatedDatagram datagram;
     std::size_t bytes = 0;
     std::function<void()> send;
   };
 
-  void sent(const DiscoveryDatagram& datagram, std::size_t bytes, Time now);
+  void sent(const RepeatedDatagram& datagram, std::size_t bytes, Time now);
 
   const double bytes_per_s_;
   std::mutex mutex_;

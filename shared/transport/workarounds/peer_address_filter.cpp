@@ -30,6 +30,12 @@ void PeerAddressFilter::announced(const GuidPrefix& participant, const Locator& 
   announcers.insert(participant);
 }
 
+bool PeerAddressFilter::is_of(const GuidPrefix& participant, const Locator& locator) const {
+  const std::lock_guard lock(mutex_);
+  const auto announcers = announcers_.find(locator);
+  return announcers != announcers_.end() && announcers->second.contains(participant);
+}
+
 void PeerAddressFilter::heard(const GuidPrefix& participant, std::uint32_t address, Time now) {
   const std::lock_guard lock(mutex_);
   const auto known = participants_.find(participant);

@@ -35,6 +35,8 @@ class PeerAddressFilter {
 
   /// A participant announces a locator.
   void announced(const GuidPrefix& participant, const Locator& locator, Time now);
+  /// Whether the participant has announced the locator.
+  [[nodiscard]] bool is_of(const GuidPrefix& participant, const Locator& locator) const;
   /// A datagram of a participant came from that address.
   void heard(const GuidPrefix& participant, std::uint32_t address, Time now);
 

@@ -35,22 +35,41 @@ class AnnouncementRepetitionTest : public testing::Test {
   AnnouncementRepetition::Pause all_pauses(const GuidPrefix& participant) {
     AnnouncementRepetition::Pause sum{};
     tries_ = 0;
-    for (; const auto pause = repetition_.again(participant); ++tries_) sum += *pause;
+    for (; const auto due = repetition_.again(participant); ++tries_) sum += due->next;
     return sum;
   }
 
-  AnnouncementRepetition repetition_;
+  AnnouncementRepetition repetition_{8};
   AnnouncementRepetition::Time now_{seconds(1000)};
   int tries_ = 0;
 };
 
 TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver) {
   ASSERT_EQ(hear(announced_by()), milliseconds(500));
-  EXPECT_EQ(repetition_.again(kOther), seconds(1));
-  EXPECT_EQ(repetition_.again(kOther), seconds(2));
+  EXPECT_EQ(repetition_.again(kOther)->next, seconds(1));
+  EXPECT_EQ(repetition_.again(kOther)->next, seconds(2));
   EXPECT_LT(all_pauses(kOther), minutes(1));
   EXPECT_LT(tries_, 10);
   EXPECT_FALSE(repetition_.again(kOther));
+}
+
+TEST_F(AnnouncementRepetitionTest, SendsMoreCopiesEachTime) {
+  ASSERT_TRUE(hear(announced_by()));
+  for (const int copies : {2, 4, 8, 8, 8}) EXPECT_EQ(repetition_.again(kOther)->copies, copies);
+}
+
+TEST_F(AnnouncementRepetitionTest, RepeatsForWhoeverMayBeThereUntilItIsKnownOrMinutesHavePassed) {
+  EXPECT_EQ(repetition_.again_to_all(), seconds(1));
+  ASSERT_TRUE(hear(announced_by()));
+  EXPECT_EQ(repetition_.again_to_all(), seconds(8));
+  AnnouncementRepetition::Pause sum{};
+  while (const auto pause = repetition_.again_to_all()) sum += *pause;
+  EXPECT_LT(sum, minutes(6));
+  EXPECT_GT(sum, minutes(1));
+  AnnouncementRepetition known(8);
+  EXPECT_TRUE(known.again_to_all());
+  known.heard(message_of({info_destination(kOwn), ack_nack(1)}, kOther), kOwn, now_);
+  EXPECT_FALSE(known.again_to_all());
 }
 
 TEST_F(AnnouncementRepetitionTest, IsToldOfEachOnce) {

@@ -13,23 +13,29 @@ using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
+constexpr std::uint32_t kUserWriter = 0x000402;
+
 Bytes data_of(std::uint32_t writer, std::uint64_t number) {
   const auto body =
       ByteWriter().u16(0).u16(16).entity(0).entity(writer).sequence_number(number).zeros(8);
   return message_of({submessage(0x15, 1 | 4, body.written())});
 }
 
-TEST(DiscoveryDatagram, IsOfBuiltInEndpointsAlone) {
-  EXPECT_TRUE(DiscoveryDatagram::read(data_of(kPublicationsWriter, 1)));
-  EXPECT_TRUE(DiscoveryDatagram::read(data_of(kParticipantWriter, 1)));
-  EXPECT_FALSE(DiscoveryDatagram::read(data_of(0x000402, 1)));
-  EXPECT_FALSE(DiscoveryDatagram::read(Bytes(kRtpsHeaderBytes)));
-  EXPECT_FALSE(DiscoveryDatagram::read({}));
+TEST(RepeatedDatagram, IsOfBuiltInOrReliableEndpoints) {
+  EXPECT_TRUE(RepeatedDatagram::read(data_of(kPublicationsWriter, 1)));
+  EXPECT_TRUE(RepeatedDatagram::read(data_of(kParticipantWriter, 1)));
+  EXPECT_FALSE(RepeatedDatagram::read(data_of(kUserWriter, 1)));
+  const auto reliable = RepeatedDatagram::read(message_of({heartbeat(1, 4, 9, kUserWriter)}));
+  ASSERT_TRUE(reliable);
+  EXPECT_FALSE(reliable->is_discovery);
+  EXPECT_TRUE(RepeatedDatagram::read(message_of({heartbeat(1, 4)}))->is_discovery);
+  EXPECT_FALSE(RepeatedDatagram::read(Bytes(kRtpsHeaderBytes)));
+  EXPECT_FALSE(RepeatedDatagram::read({}));
 }
 
-TEST(DiscoveryDatagram, IsAboutTheSameIfItSupersedes) {
+TEST(RepeatedDatagram, IsAboutTheSameIfItSupersedes) {
   const auto subject = [](const Bytes& datagram) {
-    return DiscoveryDatagram::read(datagram)->subject;
+    return RepeatedDatagram::read(datagram)->subject;
   };
   EXPECT_EQ(subject(message_of({heartbeat(1, 4)})), subject(message_of({heartbeat(1, 5)})));
   EXPECT_EQ(subject(data_of(kPublicationsWriter, 1)), subject(data_of(kPublicationsWriter, 1)));
@@ -37,9 +43,9 @@ TEST(DiscoveryDatagram, IsAboutTheSameIfItSupersedes) {
   EXPECT_NE(subject(message_of({heartbeat(1, 4)})), subject(message_of({ack_nack(1)})));
 }
 
-TEST(DiscoveryDatagram, SaysSomethingElseIfThatIsNew) {
+TEST(RepeatedDatagram, SaysSomethingElseIfThatIsNew) {
   const auto statement = [](const Bytes& datagram) {
-    return DiscoveryDatagram::read(datagram)->statement;
+    return RepeatedDatagram::read(datagram)->statement;
   };
   EXPECT_EQ(statement(message_of({heartbeat(1, 4)})), statement(message_of({heartbeat(1, 4)})));
   EXPECT_NE(statement(message_of({heartbeat(1, 4)})), statement(message_of({heartbeat(1, 5)})));
@@ -55,7 +61,7 @@ class DiscoveryQueueTest : public testing::Test {
     if (due) due_ = due;
   }
 
-  static DiscoveryDatagram about(const std::string& text) {
+  static RepeatedDatagram about(const std::string& text) {
     const std::vector<std::uint8_t> bytes(text.begin(), text.end());
     return {.subject = bytes, .statement = bytes, .worth_repeating_after = milliseconds(500)};
   }
