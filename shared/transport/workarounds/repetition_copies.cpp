@@ -14,8 +14,8 @@ constexpr std::chrono::milliseconds kForSomebodyElse{250};
 constexpr std::size_t kManyRemembered = 2000;  // then those are dropped that are forgotten
 constexpr double kMoreForARepetition = 1.5;
 constexpr double kFewerForANewStatement = 0.8;
-constexpr double kSavedBytes = 64e3;  // a match where 90 % are lost takes so many
-constexpr double kBytesPerSecond = 2000.0;
+constexpr double kSavedBytes = 200e3;  // a match where 90 % are lost takes so many
+constexpr double kBytesPerSecond = 500.0;
 
 template <typename Remembered>
 void forget(Remembered& remembered, std::chrono::seconds after, RepetitionCopies::Time now) {

@@ -47,7 +47,7 @@ class RepetitionCopiesTest : public testing::Test {
     };
     constexpr int kStatements = 2000;
     int repetitions = 0;
-    for (int i = 0; i < kStatements; ++i, now_ += seconds(1)) {
+    for (int i = 0; i < kStatements; ++i, now_ += seconds(20)) {  // within the budget
       for (; all_lost(copies(std::to_string(i))); now_ += seconds(1)) ++repetitions;
     }
     return static_cast<double>(repetitions) / kStatements;
@@ -99,9 +99,9 @@ TEST_F(RepetitionCopiesTest, SpendsNoMoreThanItsBudgetOnADestination) {
     return 100.0 * copies_sent;
   };
   const double at_first = spent_in(60);
-  EXPECT_GT(at_first, 64e3);
-  EXPECT_LE(at_first, 64e3 + 60 * 2e3);
-  EXPECT_NEAR(spent_in(60), 60 * 2e3, 6e3);
+  EXPECT_GT(at_first, 150e3);
+  EXPECT_LE(at_first, 200e3 + 60 * 500);
+  EXPECT_NEAR(spent_in(60), 60 * 500, 6e3);
   EXPECT_GT(copies("other", kElsewhere) + copies("again", kElsewhere), 1);
 }
 
