@@ -91,7 +91,7 @@ TEST_F(LossyDiscovery, TakesSecondsWhereSevenOfTenDatagramsAreLost) {
   }
   EXPECT_THAT(answered_s, testing::SizeIs(kRobots));
   ASSERT_GT(answered_s.size(), kRobots / 2);
-  EXPECT_LT(answered_s[kRobots / 2], 10.0) << testing::PrintToString(answered_s);
+  EXPECT_LT(answered_s[kRobots / 2], 15.0) << testing::PrintToString(answered_s);
 }
 
 }  // namespace

@@ -11,9 +11,13 @@ constexpr std::chrono::seconds kSaidForgotten{4};  // four of the library's peri
 constexpr std::chrono::minutes kDestinationForgotten{5};
 // Within the library's shortest period it repeats itself since somebody else has asked.
 constexpr std::chrono::milliseconds kForSomebodyElse{250};
+// So long an answer may take on a line that is narrow and slow; copies would only fill it. What is
+// repeated for longer is lost, and then so is what is repeated next.
+constexpr std::chrono::milliseconds kDiscoveryDelay{2500};
+constexpr std::chrono::milliseconds kSampleDelay{5000};  // beside submaps
 constexpr std::size_t kManyRemembered = 2000;  // then those are dropped that are forgotten
 constexpr double kMoreForARepetition = 1.5;
-constexpr double kFewerForANewStatement = 0.8;
+constexpr double kFewerForANewStatement = 0.6;
 constexpr double kSavedBytes = 200e3;  // a match where 90 % are lost takes so many
 constexpr double kBytesPerSecond = 500.0;
 
@@ -55,7 +59,12 @@ int RepetitionCopies::copies(const RepeatedDatagram& datagram,
   if (now - said.first > kPatience) return 1;
 
   Destination& known = destination(to, now);
-  known.copies *= said.times > 1 ? kMoreForARepetition : kFewerForANewStatement;
+  if (said.times == 1) {
+    known.copies *= kFewerForANewStatement;
+  } else if (known.copies > 1.0 ||
+             now - said.first > (datagram.is_discovery ? kDiscoveryDelay : kSampleDelay)) {
+    known.copies *= kMoreForARepetition;
+  }
   known.copies = std::clamp(known.copies, 1.0, static_cast<double>(max_copies_));
   const double affordable = 1.0 + known.bytes_left / static_cast<double>(bytes);
   const int copies = static_cast<int>(std::min(std::round(known.copies), affordable));

@@ -17,14 +17,14 @@
 namespace fleetloc {
 
 /// Says in how many copies a datagram of discovery or of reliable endpoints is sent: the more, the
-/// more often the library has to repeat itself at the same destination. Each repetition is answered
-/// with half as many copies again, each new statement with a fifth fewer, so that about every
-/// second statement is repeated once, whatever the loss. Who gets several of one drops all but the
-/// first, and answers once.
+/// more often the library has to repeat itself at the same destination. What is repeated for
+/// seconds is lost, not late; from then on each repetition is answered with half as many copies
+/// again, and each new statement with fewer, so that the library repeats everything about once,
+/// whatever the loss. Who gets several of one drops all but the first, and answers once.
 ///
 /// Each destination has a budget of bytes for copies: enough for a match where nine of ten are
-/// lost, and a sample's part of the link after it. What goes on being repeated for long is for
-/// somebody who is not there: it is sent once again, and no longer counts.
+/// lost, and little after it. What goes on being repeated for long is for somebody who is not
+/// there: it is sent once again, and no longer counts.
 ///
 /// No clock, no I/O. Any thread may use any function.
 class RepetitionCopies {

@@ -64,12 +64,12 @@ TEST_F(RepetitionCopiesTest, SendsWhatIsNewOnce) {
 }
 
 TEST_F(RepetitionCopiesTest, SendsMoreCopiesOfWhatIsRepeatedAgainAndAgain) {
-  EXPECT_THAT(copies_of("a", 8), ElementsAre(1, 2, 2, 3, 5, 8, 11, 16));
+  EXPECT_THAT(copies_of("a", 10), ElementsAre(1, 1, 1, 2, 2, 3, 5, 8, 11, 16));
 }
 
 TEST_F(RepetitionCopiesTest, SendsWhatIsNewInAsManyCopiesAsTheLinkWasSeenToNeed) {
   copies_of("a", 7);
-  EXPECT_THAT(copies("b"), 9);
+  EXPECT_THAT(copies("b"), 3);
   EXPECT_THAT(copies("c", kElsewhere), 1);
 }
 
@@ -80,12 +80,16 @@ TEST_F(RepetitionCopiesTest, SendsFewerAgainOnALinkThatNoLongerLoses) {
 }
 
 // A copy more than what arrives would need is a datagram for nothing, one fewer costs a second.
-TEST_F(RepetitionCopiesTest, SaysHalfOfAllTwiceWhateverTheLoss) {
+TEST_F(RepetitionCopiesTest, LetsTheLibraryRepeatEverythingAboutOnceWhateverTheLoss) {
   EXPECT_LT(repetitions_at(0.0), 0.001);
-  for (const double loss : {0.5, 0.7, 0.9}) EXPECT_NEAR(repetitions_at(loss), 0.5, 0.2) << loss;
+  for (const double loss : {0.5, 0.7, 0.9}) EXPECT_NEAR(repetitions_at(loss), 1.1, 0.5) << loss;
 }
 
-// A heartbeat goes to all readers of a writer while one of them lacks something.
+// Over a narrow and slow line an answer takes seconds, and copies would fill it.
+TEST_F(RepetitionCopiesTest, TakesWhatIsAnsweredWithinTwoSecondsAsLateNotAsLost) {
+  for (int i = 0; i < 20; ++i) EXPECT_THAT(copies_of(std::to_string(i), 3), Each(1));
+}
+
 TEST_F(RepetitionCopiesTest, TakesWhatIsSaidTwiceAtOnceForSomebodyElses) {
   EXPECT_THAT(copies_of("heartbeat", 20, milliseconds(10)), Each(1));
 }
