@@ -60,7 +60,7 @@ cd "$scratch"
 gnuplot <<'PLOT'
 set terminal svg size 1100,620 font "sans,13"
 set output "networks.svg"
-set multiplot layout 2,3 margins 0.06,0.98,0.1,0.95 spacing 0.06,0.12
+set multiplot layout 2,3 margins 0.08,0.985,0.1,0.96 spacing 0.06,0.12
 set style line 1 lc rgb "#b5651d" lw 2 pt 7 ps 0.6
 set style line 2 lc rgb "#2b6ca3" lw 2 pt 5 ps 0.6
 set grid
