@@ -42,8 +42,8 @@ class AnnouncementRepetition {
   /// Nothing if the participant knows this one by now, or there have been enough tries.
   std::optional<Due> again(const GuidPrefix& participant);
 
-  /// To whoever may be there, from the first announcement on: until the next one is due; twice as
-  /// long once somebody is heard, to whom more is sent. Nothing once anybody knows this
+  /// To whoever may be there, from the first announcement on: until the next one is due; much
+  /// longer once somebody is heard, to whom more is sent. Nothing once anybody knows this
   /// participant, or after enough tries.
   std::optional<Pause> again_to_all();
   static constexpr std::chrono::seconds kFirstToAll{1};

@@ -121,8 +121,26 @@ TEST_F(RepetitionCopiesTest, TakesWhatComesAgainAfterALongPauseAsNew) {
 
 TEST_F(RepetitionCopiesTest, EndsForWhoIsNotThere) {
   const std::vector<int> during = copies_of("heartbeat", 80);
-  EXPECT_LE(std::accumulate(during.begin(), during.end(), 0), 80 + 20 * kMost);
+  EXPECT_LE(std::accumulate(during.begin(), during.end(), 0), 80 + 210);
   EXPECT_THAT(copies_of("heartbeat", 20), Each(1));
+}
+
+TEST_F(RepetitionCopiesTest, SpendsLittleOnWhoIsNotThereWhereFewCopiesAreAllowed) {
+  RepetitionCopies few(4);
+  int during = 0;
+  for (int i = 0; i < 80; ++i, now_ += seconds(1)) {
+    during += few.copies(saying("heartbeat"), kHere, 100, now_);
+  }
+  EXPECT_LE(during, 80 + 60);
+}
+
+TEST_F(RepetitionCopiesTest, WaitsLongerWhereSamplesAreRepeated) {
+  RepeatedDatagram sample = saying("sample");
+  sample.is_discovery = false;
+  for (int i = 0; i <= 5; ++i, now_ += seconds(1)) {
+    EXPECT_EQ(repetition_.copies(sample, kHere, 100, now_), 1) << i;
+  }
+  EXPECT_GT(repetition_.copies(sample, kHere, 100, now_), 1);
 }
 
 }  // namespace
