@@ -157,6 +157,7 @@ void SessionLocalizer::begin_anew(const std::optional<MapOdomEstimate>& start) {
   dead_reckoning_.follow(database_.keyframes());
   acceptance_ = Acceptance(config_.acceptance, config_.confirmation, config_.place_doubt);
   early_look_.reset();
+  shift_profile_.reset();
 }
 
 // Brings the problem to the keyframes of the window, placed in the map (eq. 12). What it shares
@@ -249,18 +250,20 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
     landmarks = problem_.landmarks();
     fit.association = associate(landmarks, *map_, gate_m, config_.association, nearest_);
     if (!acceptance_.check_matches(fit.association)) break;
+    if (shift_profile_) shift_profile_->widen(fit.association.matches);
     problem_.set_matches(fit.association.matches);
     fit.add(problem_.solve(until.iterations, until.min_decrease));
     if (!fit.is_solved) break;
     fit.T_map_body = problem_.pose(newest);
     fit.moved_m = distance(before, fit.T_map_body);
-    if (gate_m <= rounds.final_gate_m) {
+    if (round > 0 && gate_m <= rounds.final_gate_m) {
       visited.push_back(before);
       const auto is_here = [&](const Pose& place) {
         return distance(place, fit.T_map_body) < until.settled_m;
       };
       if (std::ranges::any_of(visited, is_here)) break;
     }
+    if (round == 0) shift_profile_ = shift_profile(fit.association.matches);
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;
@@ -272,6 +275,16 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
       median_residual(fit.association.matches, problem_.positions(), config_.association);
   fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);
   return fit;
+}
+
+// What the window, as it was optimized with these matches, tells of its place beside that.
+ShiftProfile SessionLocalizer::shift_profile(const std::vector<MapMatch>& matches) const {
+  return {seen_without_map(problem_.landmarks(), matches, config_.problem.map_kernel),
+          *map_,
+          config_.rounds.final_gate_m,
+          config_.association,
+          config_.shift_profile,
+          alignment_.rival_score()};
 }
 
 // Those that no older keyframe has seen; none as long as there is no older one.

@@ -17,6 +17,7 @@
 #include "cloud/localizer/prediction.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
+#include "cloud/localizer/shift_profile.hpp"
 #include "cloud/localizer/window_problem.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/core/expected.hpp"
@@ -82,6 +83,7 @@ class SessionLocalizer {
     SessionDatabase::Config database;
     WindowProblem::Config problem;
     AssociationConfig association;
+    ShiftProfileConfig shift_profile;
     RigidAlignment::Config alignment;
     DegeneracyConfig degeneracy;
     DriftConfig drift;
@@ -161,6 +163,7 @@ class SessionLocalizer {
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
   MapFit fit_to_map(const Prediction& prediction, const std::vector<KeyframeId>& window);
+  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches) const;
   void keep_recent(std::vector<WindowLandmark>& landmarks,
                    const std::vector<KeyframeId>& window) const;
   expected<Solution, Rejection> accept(const Prediction& prediction,
@@ -183,8 +186,9 @@ class SessionLocalizer {
   Acceptance acceptance_;
   std::optional<KeyframeId> localized_until_;
   std::optional<FirstPlace> first_place_;
-  std::optional<double> found_at_m_;  // travelled, of the start pose that was found last
-  std::optional<Look> early_look_;    // the last one, while all that was localized is in the window
+  std::optional<double> found_at_m_;           // travelled, of the start pose that was found last
+  std::optional<ShiftProfile> shift_profile_;  // of the last window
+  std::optional<Look> early_look_;  // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;
   bool has_news_ = false;  // since the last localize()
   LocalizationDiagnostics diagnostics_;

@@ -43,6 +43,7 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
       .database = {.window = section.integer("window", 2, 1000)},
       .problem = read_window_problem_config(section.section("problem")),
       .association = read_association_config(section.section("association")),
+      .shift_profile = read_shift_profile_config(section.section("shift_profile")),
       .alignment = read_rigid_alignment_config(section.section("alignment")),
       .degeneracy = read_degeneracy_config(section.section("degeneracy")),
       .drift = read_drift_config(section.section("drift")),
