@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxPoints = 1'000'000;  // 12 MB
 
-std::uint32_t domain_with_profiles(const MapPublisher::Config& config) {
+std::uint32_t domain_with_ros2_profiles(const MapPublisher::Config& config) {
   load_ros2_profiles();
   return static_cast<std::uint32_t>(config.domain);
 }
@@ -22,7 +22,7 @@ std::uint32_t domain_with_profiles(const MapPublisher::Config& config) {
 }  // namespace
 
 MapPublisher::MapPublisher(const LaserMap& map, double voxel_m, const Config& config)
-    : participant_(domain_with_profiles(config)),
+    : participant_(domain_with_ros2_profiles(config)),
       writer_(participant_.create_writer({.name = "rt" + config.topic,
                                           .type = ros2_type::kPointCloud,
                                           .qos = Ros2Qos::kLatched})) {

@@ -186,7 +186,8 @@ void read_item(ValueStream& stream, const Element& element, std::vector<double>&
   }
 }
 
-std::vector<std::size_t> columns_of(const Element& vertex, const std::vector<std::string>& fields) {
+std::vector<std::size_t> vertex_columns(const Element& vertex,
+                                        const std::vector<std::string>& fields) {
   std::vector<std::size_t> columns;
   for (const std::string& field : fields) {
     const auto found = std::ranges::find(vertex.properties, field, &Property::name);
@@ -201,7 +202,7 @@ std::vector<std::size_t> columns_of(const Element& vertex, const std::vector<std
 PointTable read_vertices(ValueStream& stream,
                          const Element& vertex,
                          const std::vector<std::string>& fields) {
-  const auto columns = columns_of(vertex, fields);
+  const auto columns = vertex_columns(vertex, fields);
   // Rows are added as they come: a damaged header may promise more than any memory holds.
   std::vector<float> table;
   std::vector<double> values;

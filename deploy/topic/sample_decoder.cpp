@@ -13,7 +13,7 @@
 namespace fleetloc {
 namespace {
 
-using Json = SampleDecoder::Json;
+using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxSessions = 1000;
 

@@ -31,7 +31,7 @@ std::vector<unsigned char> lucas_kanade(const ImagePyramid& from,
   return found;
 }
 
-bool is_inside(const cv::Point2f& point, const cv::Mat& image) {
+bool is_in_image(const cv::Point2f& point, const cv::Mat& image) {
   return point.x >= 0.0F && point.y >= 0.0F && point.x <= static_cast<float>(image.cols - 1) &&
          point.y <= static_cast<float>(image.rows - 1);
 }
@@ -46,7 +46,7 @@ std::vector<std::optional<cv::Point2f>> follow_once(const ImagePyramid& from,
   std::vector<cv::Point2f> moved = start;
   const auto found = lucas_kanade(from, to, points, moved, config);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (found[i] != 0 && is_inside(moved[i], to.image())) result[i] = moved[i];
+    if (found[i] != 0 && is_in_image(moved[i], to.image())) result[i] = moved[i];
   }
   return result;
 }

@@ -73,10 +73,10 @@ struct Refinement {
   std::vector<LandmarkId> outliers;
   double correction_chi_square = 0.0;
 };
-Refinement refined(const LocalState& prediction,
-                   const std::vector<KnownPoint>& points,
-                   const RectifiedStereo& stereo,
-                   const FrameEstimator::Config& config) {
+Refinement refined_state(const LocalState& prediction,
+                         const std::vector<KnownPoint>& points,
+                         const RectifiedStereo& stereo,
+                         const FrameEstimator::Config& config) {
   const Matrix6d P = prediction.covariance.topLeftCorner<6, 6>();
   Refinement result{prediction, {}, 0.0};
   Vector15d delta = Vector15d::Zero();
@@ -178,7 +178,7 @@ std::optional<FrameEstimator::Result> FrameEstimator::estimate(const TrackedFram
         known_points(frame, *window_, stereo_, local.state.T_odom_body, config_.noise.pixel_sigma);
     result.tracked = static_cast<int>(points.size());
     if (result.tracked >= config_.min_tracked) {
-      Refinement refinement = refined(local, points, stereo_, config_);
+      Refinement refinement = refined_state(local, points, stereo_, config_);
       result.outliers = std::move(refinement.outliers);
       const auto outliers = static_cast<int>(result.outliers.size());
       result.correction_chi_square = refinement.correction_chi_square;

@@ -64,9 +64,9 @@ std::optional<Eigen::Vector3d> first_guess(std::span<const LandmarkView> views,
 }
 
 // Gauss-Newton over the reprojection errors, poses fixed.
-Eigen::Vector3d refined(std::span<const LandmarkView> views,
-                        const RectifiedStereo& stereo,
-                        Eigen::Vector3d p_odom) {
+Eigen::Vector3d refined_point(std::span<const LandmarkView> views,
+                              const RectifiedStereo& stereo,
+                              Eigen::Vector3d p_odom) {
   for (int i = 0; i < kRefinements; ++i) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
@@ -107,7 +107,7 @@ std::optional<Eigen::Vector3d> triangulate(std::span<const LandmarkView> views,
     return std::nullopt;
   }
   if (views.size() > 1) {
-    p_odom = refined(views, stereo, *p_odom);
+    p_odom = refined_point(views, stereo, *p_odom);
   }
   for (const LandmarkView& view : views) {
     const double z = depth(view, stereo, *p_odom);

@@ -42,7 +42,7 @@ Eigen::Vector4d rotation_of(const wire::LocalizationResult& sample) {
   return Eigen::Vector4d(q[0], q[1], q[2], q[3]) / kUnitsPerQuaternion;
 }
 
-Validity check_sample(const wire::LocalizationResult& sample) {
+Validity check_answer_sample(const wire::LocalizationResult& sample) {
   if (sample.status() > wire::LOST) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   if (sample.window_ms() > kLongest_ms || sample.holding_time_ms() > kLongest_ms) {
@@ -121,7 +121,7 @@ void drop_least_useful(Correction& correction) {
 
 Bytes encode(const Answer& answer, std::size_t max_payload_bytes) {
   wire::LocalizationResult sample = sample_of(answer.result);
-  expect_encodable(check_sample(sample), "answer");
+  expect_encodable(check_answer_sample(sample), "answer");
   Bytes bytes = to_cdr(sample);
   if (!answer.correction) return bytes;
   const std::size_t envelope = bytes.size();
@@ -146,7 +146,7 @@ Bytes encode(const Answer& answer, std::size_t max_payload_bytes) {
 }
 
 Decoded<Answer> decode_answer(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::LocalizationResult>(bytes, 2, check_sample);
+  const auto decoded = valid_from_cdr<wire::LocalizationResult>(bytes, 2, check_answer_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   const Timestamp stamp = stamp_from_wire(sample.stamp_ns());

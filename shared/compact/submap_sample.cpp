@@ -17,7 +17,7 @@ constexpr std::uint16_t kLongAgo_ms = 65'535;
 constexpr double kLossUnits = 255.0;
 constexpr double kGravityNormTolerance = 1e-3;
 
-Validity check_sample(const wire::CompactSubmap& sample) {
+Validity check_submap_sample(const wire::CompactSubmap& sample) {
   if (sample.block().size() > kMaxSubmapBlock) return unexpected(Malformed::kTooManyItems);
   if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   for (const float value : sample.p_odom()) {
@@ -80,13 +80,13 @@ Bytes encode_compact(const Submap& submap,
   sample.rotation(pose.rotation);
   sample.block(
       encode_block(quantized(submap, pose, precision.subset, precision.step_bits), stereo));
-  const Validity valid = check_sample(sample);
+  const Validity valid = check_submap_sample(sample);
   if (!valid && valid.error() != Malformed::kTooManyItems) expect_encodable(valid, "submap");
   return to_cdr(sample);
 }
 
 Decoded<SubmapSample> decode_submap_sample(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::CompactSubmap>(bytes, 1, check_sample);
+  const auto decoded = valid_from_cdr<wire::CompactSubmap>(bytes, 1, check_submap_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   return SubmapSample{.robot = sample.robot().to_string(),

@@ -25,7 +25,7 @@ Ros2Validity check_size(const CameraInfo_& info) {
   return {};
 }
 
-Ros2Validity check_message(const CameraInfo_& info) {
+Ros2Validity check_camera_info_message(const CameraInfo_& info) {
   if (const Ros2Validity valid = check(info.header()); !valid) return valid;
   if (const Ros2Validity valid = check_text(info.distortion_model()); !valid) return valid;
   if (const Ros2Validity valid = check_size(info); !valid) return valid;
@@ -100,7 +100,8 @@ Bytes encode(const CameraInfoMessage& message) {
 Ros2Decoded<CameraInfoMessage> decode_camera_info(std::span<const std::uint8_t> bytes) {
   const auto info = from_ros2_cdr<CameraInfo_>(bytes);
   if (!info) return unexpected(info.error());
-  if (const Ros2Validity valid = check_message(*info); !valid) return unexpected(valid.error());
+  if (const Ros2Validity valid = check_camera_info_message(*info); !valid)
+    return unexpected(valid.error());
   CameraInfoMessage message;
   message.header = from_ros2(info->header());
   message.width_px = static_cast<int>(info->width());

@@ -18,7 +18,7 @@ bool is_measured(const std::array<double, 9>& covariance) {
   return covariance.front() != kNoSuchMeasurement;
 }
 
-Ros2Validity check_message(const Imu_& message) {
+Ros2Validity check_imu_message(const Imu_& message) {
   if (const Ros2Validity valid = check(message.header()); !valid) return valid;
   const bool measured = is_measured(message.angular_velocity_covariance()) &&
                         is_measured(message.linear_acceleration_covariance());
@@ -46,7 +46,7 @@ Bytes encode(const ImuMessage& message) {
 Ros2Decoded<ImuMessage> decode_imu(std::span<const std::uint8_t> bytes) {
   const auto imu = from_ros2_cdr<Imu_>(bytes);
   if (!imu) return unexpected(imu.error());
-  if (const Ros2Validity valid = check_message(*imu); !valid) return unexpected(valid.error());
+  if (const Ros2Validity valid = check_imu_message(*imu); !valid) return unexpected(valid.error());
   const Ros2Header header = from_ros2(imu->header());
   return ImuMessage{.frame = header.frame,
                     .sample = {.stamp = header.stamp,

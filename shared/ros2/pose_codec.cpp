@@ -31,7 +31,7 @@ TransformStamped_ transform_stamped(const TransformMessage& message) {
   return transform;
 }
 
-Ros2Validity check_message(const PoseWithCovarianceStamped_& message) {
+Ros2Validity check_pose_message(const PoseWithCovarianceStamped_& message) {
   if (const Ros2Validity valid = check(message.header()); !valid) return valid;
   if (const Ros2Validity valid = check(message.pose().pose()); !valid) return valid;
   return check_covariance(message.pose().covariance());
@@ -68,7 +68,7 @@ Bytes encode(const std::vector<TransformMessage>& transforms) {
 Ros2Decoded<PoseMessage> decode_pose(std::span<const std::uint8_t> bytes) {
   const auto message = from_ros2_cdr<PoseWithCovarianceStamped_>(bytes);
   if (!message) return unexpected(message.error());
-  if (const Ros2Validity valid = check_message(*message); !valid) {
+  if (const Ros2Validity valid = check_pose_message(*message); !valid) {
     return unexpected(valid.error());
   }
   const Pose T_a_b = from_ros2(message->pose().pose());

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMaxSpeed_mps = 1e4;
 constexpr double kMaxTurnRate_radps = 1e3;
 
-Validity check_sample(const wire::PoseEstimate& sample) {
+Validity check_pose_sample(const wire::PoseEstimate& sample) {
   if (const Validity valid = check(sample.quality()); !valid) return valid;
   if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   if (const Validity valid = check_stamp(sample.since_last_answer_ns()); !valid) return valid;
@@ -43,12 +43,12 @@ Bytes encode(const RobotPoseEstimate& pose) {
   if (estimate.T_map_body) sample.covariance_map(to_wire(estimate.covariance_map));
   sample.v_odom(to_wire(estimate.v_odom));
   sample.angular_velocity(to_wire(estimate.angular_velocity));
-  expect_encodable(check_sample(sample), "pose estimate");
+  expect_encodable(check_pose_sample(sample), "pose estimate");
   return to_cdr(sample);
 }
 
 Decoded<RobotPoseEstimate> decode_pose_estimate(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::PoseEstimate>(bytes, 1, check_sample);
+  const auto decoded = valid_from_cdr<wire::PoseEstimate>(bytes, 1, check_pose_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   PoseEstimate estimate{.stamp = stamp_from_wire(sample.stamp_ns()),

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMaxRate = 1e9;  // [bytes/s]
 constexpr double kMaxSilence_s = 1e9;
 
-Validity check_sample(const wire::ServedRobot& sample) {
+Validity check_served_robot_sample(const wire::ServedRobot& sample) {
   if (const Validity valid = check(sample.quality()); !valid) return valid;
   if (const Validity valid = check(sample.T_map_body()); !valid) return valid;
   if (const Validity valid = check(sample.covariance()); !valid) return valid;
@@ -40,12 +40,12 @@ Bytes encode(const ServedRobot& robot) {
   sample.down_bytes_per_s(static_cast<float>(robot.down_bytes_per_s));
   sample.silent_s(static_cast<float>(to_seconds(robot.silent)));
   sample.round_trip_ns(robot.round_trip.value_or(kNotMeasured).count());
-  expect_encodable(check_sample(sample), "served robot");
+  expect_encodable(check_served_robot_sample(sample), "served robot");
   return to_cdr(sample);
 }
 
 Decoded<ServedRobot> decode_served_robot(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::ServedRobot>(bytes, 2, check_sample);
+  const auto decoded = valid_from_cdr<wire::ServedRobot>(bytes, 2, check_served_robot_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   ServedRobot robot{.localizer = sample.localizer().to_string(),

@@ -23,7 +23,7 @@ Validity check_stereo(const wire::RobotSession& sample) {
   return check(sample.T_body_cam0());
 }
 
-Validity check_sample(const wire::RobotSession& sample) {
+Validity check_session_sample(const wire::RobotSession& sample) {
   if (sample.encoding() > wire::COMPACT) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
   if (const Validity valid = check_stereo(sample); !valid) return valid;
@@ -53,12 +53,12 @@ Bytes encode(const RobotSession& session) {
   sample.p_odom(to_wire(start.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
-  expect_encodable(check_sample(sample), "robot session");
+  expect_encodable(check_session_sample(sample), "robot session");
   return to_cdr(sample);
 }
 
 Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::RobotSession>(bytes, 2, check_sample);
+  const auto decoded = valid_from_cdr<wire::RobotSession>(bytes, 2, check_session_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   RobotSession session{.robot = sample.robot().to_string(),

@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::uint32_t kMaxSessions = 1'000'000;
 
-Validity check_sample(const wire::LocalizerStatus& sample) {
+Validity check_status_sample(const wire::LocalizerStatus& sample) {
   if (sample.sessions() > kMaxSessions) return unexpected(Malformed::kOutOfRange);
   return check(static_cast<double>(sample.load()), 0.0, 1.0);
 }
 
-Validity check_sample(const wire::RobotStatus& sample) {
+Validity check_status_sample(const wire::RobotStatus& sample) {
   if (const Validity valid = check(sample.quality()); !valid) return valid;
   if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
   return check_stamp(sample.stamp_ns());
@@ -34,7 +34,7 @@ Bytes encode(const LocalizerStatus& status) {
   sample.load(static_cast<float>(status.load));
   sample.accepting(status.accepting);
   sample.draining(status.draining);
-  expect_encodable(check_sample(sample), "localizer status");
+  expect_encodable(check_status_sample(sample), "localizer status");
   return to_cdr(sample);
 }
 
@@ -49,12 +49,12 @@ Bytes encode(const RobotStatus& status) {
   sample.submaps_sent(status.submaps_sent);
   sample.answers_applied(status.answers_applied);
   sample.round_trip_ns(status.round_trip.value_or(kNotMeasured).count());
-  expect_encodable(check_sample(sample), "robot status");
+  expect_encodable(check_status_sample(sample), "robot status");
   return to_cdr(sample);
 }
 
 Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::LocalizerStatus>(bytes, 1, check_sample);
+  const auto decoded = valid_from_cdr<wire::LocalizerStatus>(bytes, 1, check_status_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   return LocalizerStatus{.localizer = sample.localizer().to_string(),
@@ -67,7 +67,7 @@ Decoded<LocalizerStatus> decode_localizer_status(std::span<const std::uint8_t> b
 }
 
 Decoded<RobotStatus> decode_robot_status(std::span<const std::uint8_t> bytes) {
-  const auto decoded = valid_from_cdr<wire::RobotStatus>(bytes, 1, check_sample);
+  const auto decoded = valid_from_cdr<wire::RobotStatus>(bytes, 1, check_status_sample);
   if (!decoded) return unexpected(decoded.error());
   const auto& sample = *decoded;
   RobotStatus status{.robot = sample.robot().to_string(),

@@ -141,6 +141,7 @@ TEST_F(CommandLine, AsksForHelpAndVersionOfEveryProgram) {
                               FLEETLOC_REPLAY,
                               FLEETLOC_EVAL,
                               FLEETLOC_SIM,
+                              FLEETLOC_EXPERIMENT,
                               FLEETLOC_TOPIC}) {
     const std::string name = std::filesystem::path(program).filename();
     const Outcome help = run(program, {"--help"});

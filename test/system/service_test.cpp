@@ -62,6 +62,14 @@ TEST_F(Service, ThatLocalizesAndWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder_of("localizer_1")));
 }
 
+// As on a full disk: it cannot begin its log anew where a folder is in the way.
+TEST_F(Service, ThatLocalizesGoesOnWithoutItsLog) {
+  const Arguments arguments = cloud("localizer_1");
+  std::filesystem::create_directories(folder_of("localizer_1") / "status.csv.1" / "in_the_way");
+  expect_a_service(FLEETLOC_CLOUD, arguments, "status.csv ends here: ");
+  EXPECT_TRUE(std::filesystem::exists(folder_of("localizer_1") / "sessions.json"));
+}
+
 TEST_F(Service, ThatIsARobot) {
   expect_a_service(FLEETLOC_ROBOT, robot("robot_1", {}), "SIGHUP: a new part of the run folder");
   EXPECT_GT(std::filesystem::file_size(folder_of("robot_1") / "part_000001" / "diagnostics.csv"),

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 using Words = std::vector<std::string>;
 
-const fs::path kWorlds = FLEETLOC_SOURCE_DIR "/deploy/worlds";
-const fs::path kKept = FLEETLOC_BINARY_DIR "/simulated_flights";
+const fs::path kFlightWorlds = FLEETLOC_SOURCE_DIR "/deploy/worlds";
+const fs::path kKeptFlights = FLEETLOC_BINARY_DIR "/simulated_flights";
 const fs::path kRecipe = FLEETLOC_SOURCE_DIR "/test/system/simulated_flight.cpp";  // this file
 
 // Sanitized programs only get a few seconds: their figures are judged nowhere.
@@ -26,7 +26,7 @@ constexpr const char* kParkedRest = kSanitized ? "1" : "40";      // [s]
 constexpr const char* kParkedPeople = "40.0";                     // per 100 m
 constexpr const char* kParkedDuration = kSanitized ? "2" : "52";  // [s]
 
-void simulate(const fs::path& out, const char* duration_s, Words words) {
+void simulate_flight(const fs::path& out, const char* duration_s, Words words) {
   const fs::path config = out.parent_path() / "ten_hertz.yaml";
   std::ofstream(config) << "sim: {images: {rate_hz: 10}}\n";
   words.insert(words.end(),
@@ -40,16 +40,16 @@ void make_room(const fs::path& folder) {
   const auto poses = (folder / "poses.tum").string();
   must_run(FLEETLOC_ROOM_FILES, {cloud, poses});
   must_run(FLEETLOC_MAP, {"build", "--cloud", cloud, "--out", folder / "map.pcd"});
-  simulate(folder / "flight", kRoomDuration, {"--cloud", cloud, "--trajectory", poses});
+  simulate_flight(folder / "flight", kRoomDuration, {"--cloud", cloud, "--trajectory", poses});
 }
 
 void make_street(const fs::path& folder) {
   std::cout << "making " << folder << ": " << kStreetDuration << " s on a street" << std::endl;
-  const Words way{"--scene", kWorlds / "campus.yaml", "--route", kWorlds / "quad.yaml"};
+  const Words way{"--scene", kFlightWorlds / "campus.yaml", "--route", kFlightWorlds / "quad.yaml"};
   const fs::path survey = folder / "survey";
   Words scanned = way;
   scanned.insert(scanned.end(), {"--season", "summer", "--no-images", "--lidar"});
-  simulate(survey, kStreetDuration, scanned);
+  simulate_flight(survey, kStreetDuration, scanned);
   must_run(FLEETLOC_MAP,
            {"build",
             "--cloud",
@@ -59,7 +59,7 @@ void make_street(const fs::path& folder) {
   fs::remove_all(survey);
   Words seen = way;
   seen.insert(seen.end(), {"--season", "autumn", "--seed", "2"});
-  simulate(folder / "flight", kStreetDuration, seen);
+  simulate_flight(folder / "flight", kStreetDuration, seen);
 }
 
 // The first of such lines gets another value.
@@ -74,12 +74,14 @@ void make_parked(const fs::path& folder) {
   std::cout << "making " << folder << ": " << kParkedDuration << " s on a street" << std::endl;
   const fs::path route = folder / "route.yaml";
   const fs::path scene = folder / "scene.yaml";
-  std::ofstream(route) << with_value(content_of(kWorlds / "quad.yaml"), "rest_s: 2.5", kParkedRest);
-  std::ofstream(scene) << with_value(
-      content_of(kWorlds / "campus.yaml"), "people_per_100_m: 2.0", kParkedPeople);  // of autumn
-  simulate(folder / "flight",
-           kParkedDuration,
-           {"--scene", scene, "--route", route, "--season", "autumn"});
+  std::ofstream(route) << with_value(
+      content_of(kFlightWorlds / "quad.yaml"), "rest_s: 2.5", kParkedRest);
+  std::ofstream(scene) << with_value(content_of(kFlightWorlds / "campus.yaml"),
+                                     "people_per_100_m: 2.0",
+                                     kParkedPeople);  // of autumn
+  simulate_flight(folder / "flight",
+                  kParkedDuration,
+                  {"--scene", scene, "--route", route, "--season", "autumn"});
 }
 
 RecordedFlight kept_flight(const fs::path& kept) {
@@ -92,24 +94,29 @@ RecordedFlight kept_flight(const fs::path& kept) {
 }  // namespace
 
 RecordedFlight simulated_room() {
-  const fs::path folder = kKept / "room";
+  const fs::path folder = kKeptFlights / "room";
   keep(folder, {FLEETLOC_SIM, FLEETLOC_MAP, FLEETLOC_ROOM_FILES, kRecipe}, make_room);
   return kept_flight(folder);
 }
 
 RecordedFlight simulated_street() {
-  const fs::path folder = kKept / "street";
+  const fs::path folder = kKeptFlights / "street";
   keep(folder,
-       {FLEETLOC_SIM, FLEETLOC_MAP, kWorlds / "campus.yaml", kWorlds / "quad.yaml", kRecipe},
+       {FLEETLOC_SIM,
+        FLEETLOC_MAP,
+        kFlightWorlds / "campus.yaml",
+        kFlightWorlds / "quad.yaml",
+        kRecipe},
        make_street);
   return kept_flight(folder);
 }
 
 RecordedFlight simulated_parked() {
   RecordedFlight street = simulated_street();
-  const fs::path folder = kKept / "parked";
-  keep(
-      folder, {FLEETLOC_SIM, kWorlds / "campus.yaml", kWorlds / "quad.yaml", kRecipe}, make_parked);
+  const fs::path folder = kKeptFlights / "parked";
+  keep(folder,
+       {FLEETLOC_SIM, kFlightWorlds / "campus.yaml", kFlightWorlds / "quad.yaml", kRecipe},
+       make_parked);
   RecordedFlight parked = kept_flight(folder);
   parked.map = street.map;
   return parked;

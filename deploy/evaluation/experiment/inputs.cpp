@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string identity_of(const SimulatedDataset& dataset, const Programs& programs) {
+std::string dataset_identity(const SimulatedDataset& dataset, const Programs& programs) {
   Fingerprint fingerprint;
   if (!dataset.built_along.empty()) fingerprint.add_file("streets", dataset.built_along);
   return fingerprint.add("program", programs.fingerprint("sim"))
@@ -73,7 +73,7 @@ Inputs::Inputs(const Plan& plan, const Programs& programs, fs::path store)
 }
 
 Input Inputs::simulated(const SimulatedDataset& dataset) {
-  const std::string identity = identity_of(dataset, *programs_);
+  const std::string identity = dataset_identity(dataset, *programs_);
   const fs::path folder = store_ / "datasets" / identity;
   recipes_.emplace(folder, dataset);
   return {.path = folder,

@@ -94,7 +94,7 @@ std::string quoted(const std::string& text) {
   return field + "\"";
 }
 
-std::string axes(const Run& run) {
+std::string axis_values(const Run& run) {
   std::string line = run.dataset->name + "," + run.dataset->map + "," + run.configuration->name +
                      "," + run.link->name + "," + std::to_string(run.seed);
   for (const LinkDirection& direction : {run.link->link.uplink, run.link->link.downlink}) {
@@ -131,7 +131,7 @@ std::string results_csv(const std::vector<Result>& results) {
   for (const Column& column : kFigures) text += std::string(",") + column.name;
   text += ",exit_status,failure,folder\n";
   for (const Result& result : results) {
-    text += axes(*result.run);
+    text += axis_values(*result.run);
     for (const Column& column : kFigures) {
       const json value = number_at(result.*column.source, column.pointer);
       text += "," + (value.is_number() ? value.dump() : "");

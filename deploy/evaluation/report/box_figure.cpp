@@ -31,9 +31,9 @@ std::optional<Range> range_of(const BoxFigure& figure) {
 }
 
 /// Boxes of one series: x, then the values that `candlesticks` takes, the median and the maximum.
-std::vector<std::vector<double>> rows_of(const BoxFigure& figure,
-                                         std::size_t series,
-                                         double width) {
+std::vector<std::vector<double>> box_rows(const BoxFigure& figure,
+                                          std::size_t series,
+                                          double width) {
   std::vector<std::vector<double>> rows;
   const double offset =
       width * (static_cast<double>(series) - 0.5 * static_cast<double>(figure.series.size() - 1));
@@ -113,7 +113,7 @@ std::string box_figure(const BoxFigure& figure) {
                   plot_string(figure.y_label));
   std::string plot;
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
-    const auto rows = rows_of(figure, i, width);
+    const auto rows = box_rows(figure, i, width);
     if (rows.empty()) continue;
     const std::string name = "series" + std::to_string(i);
     drawing.data(name, rows);

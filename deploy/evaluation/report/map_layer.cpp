@@ -13,8 +13,8 @@ constexpr int kLayers = 64;        // heights repeat beyond; a wall stays one
 constexpr int kWallLayers = 4;
 
 /// Which layers of height each cell has points in, row by row from the lower left.
-struct Cells {
-  Cells(const View& view, double side_px)
+struct MapCells {
+  MapCells(const View& view, double side_px)
       : side_m(side_px * view.metres_per_px),
         columns(static_cast<int>(std::ceil(view.width_px / side_px))),
         rows(static_cast<int>(std::ceil(view.height_px / side_px))),
@@ -32,8 +32,8 @@ struct Cells {
   std::size_t points = 0;  // in the view
 };
 
-Cells cells_of(std::span<const Eigen::Vector3f> points, const View& view, double side_px) {
-  Cells cells(view, side_px);
+MapCells cells_of(std::span<const Eigen::Vector3f> points, const View& view, double side_px) {
+  MapCells cells(view, side_px);
   for (const Eigen::Vector3f& point : points) {
     if (!point.allFinite()) continue;
     const Eigen::Vector2d at =
@@ -47,7 +47,7 @@ Cells cells_of(std::span<const Eigen::Vector3f> points, const View& view, double
   return cells;
 }
 
-bool is_dense(const Cells& cells) {
+bool is_dense(const MapCells& cells) {
   constexpr std::ptrdiff_t kPointsPerCell = 4;
   const auto empty = std::ranges::count(cells.layers, std::uint64_t{0});
   const auto filled = static_cast<std::ptrdiff_t>(cells.layers.size()) - empty;
@@ -56,13 +56,13 @@ bool is_dense(const Cells& cells) {
 
 enum class Kind { kNothing, kLight, kDark };
 
-Kind kind(const Cells& cells, int row, int column) {
+Kind kind(const MapCells& cells, int row, int column) {
   const int layers = std::popcount(cells.layers[cells.index(row, column)]);
   if (layers == 0) return Kind::kNothing;
   return layers >= kWallLayers ? Kind::kDark : Kind::kLight;
 }
 
-void add_runs(const Cells& cells, const View& view, int row, MapLayer& layer) {
+void add_runs(const MapCells& cells, const View& view, int row, MapLayer& layer) {
   const double y = view.corner_m.y() + (row + 0.5) * cells.side_m;
   for (int begin = 0, end = 0; begin < cells.columns; begin = end) {
     const Kind its = kind(cells, row, begin);
@@ -84,7 +84,7 @@ MapLayer map_layer(std::span<const Eigen::Vector3f> points, const View& view) {
   constexpr std::size_t kMaxRows = 18'000;  // a third of a megabyte in a page
   double side_px = kMin_px;
   while (true) {
-    const Cells cells = cells_of(points, view, side_px);
+    const MapCells cells = cells_of(points, view, side_px);
     MapLayer layer{.cell_px = side_px, .light = {}, .dark = {}};
     for (int row = 0; row < cells.rows; ++row) add_runs(cells, view, row, layer);
     const bool is_small = layer.light.size() + layer.dark.size() <= kMaxRows;

@@ -31,10 +31,10 @@ std::string key(const std::string& name) {
   return "<code>" + escaped(name) + "</code>";
 }
 
-void flatten(const json& object, const std::string& prefix, Cells& rows) {
+void add_flattened(const json& object, const std::string& prefix, Cells& rows) {
   for (const auto& [name, value] : object.items()) {
     if (value.is_object() && !value.empty()) {
-      flatten(value, prefix + name + ".", rows);
+      add_flattened(value, prefix + name + ".", rows);
     } else {
       rows.push_back({key(prefix + name), cell(value, 6)});
     }
@@ -92,7 +92,7 @@ std::string pair_name(std::string localizer, const std::string& robot) {
 
 std::string values_table(const json& figures) {
   Cells rows;
-  flatten(figures, "", rows);
+  add_flattened(figures, "", rows);
   return table({"figure", "value"}, rows);
 }
 

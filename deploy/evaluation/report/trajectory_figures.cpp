@@ -72,7 +72,7 @@ View view_of(std::span<const Track> tracks, std::span<const Eigen::Vector3f> map
 }
 
 /// Thinned, with an empty row where the line is interrupted.
-std::vector<std::vector<double>> rows_of(const Track& track) {
+std::vector<std::vector<double>> track_rows(const Track& track) {
   const std::size_t step = track.size() / kMaxTrajectoryPoints + 1;
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < track.size(); ++i) {
@@ -113,7 +113,7 @@ class MapDrawing {
   /// A track without colours.
   void plot_track(const std::string& name, const Track& track, const std::string& style) {
     if (track.empty()) return;
-    drawing_.data(name, rows_of(track));
+    drawing_.data(name, track_rows(track));
     plot("$" + name + " using 1:2 with lines " + style);
   }
 
@@ -214,7 +214,7 @@ std::string coloured(const std::string& id,
   figure.plot_track("truth",
                     truth_of(pairs),
                     "linewidth 1.2 dashtype 2 linecolor rgb 'black' title 'ground truth'");
-  figure.drawing().data("estimate", rows_of(estimate));
+  figure.drawing().data("estimate", track_rows(estimate));
   figure.plot("$estimate using 1:2:3 with lines linewidth 3.5 linecolor palette notitle");
   figure.plot_start(estimate);
   return figure.svg();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kDatagram = 1200;
 
-Answer round_trip(const Answer& sent) {
+Answer answer_round_trip(const Answer& sent) {
   return decode_answer(encode(sent, kDatagram)).value();
 }
 
@@ -28,7 +28,7 @@ void expect_answer_refused(Malformed reason,
 
 TEST(AnswerSample, RoundTripPreservesEveryField) {
   const Answer sent{some_answer(), some_correction()};
-  const Answer received = round_trip(sent);
+  const Answer received = answer_round_trip(sent);
   const LocalizationResult& a = received.result;
   const LocalizationResult& b = sent.result;
   EXPECT_EQ(a.robot, b.robot);
@@ -58,7 +58,7 @@ TEST(AnswerSample, RoundTripPreservesEveryStatus) {
   for (int status = 0; status <= static_cast<int>(LocalizationStatus::kUnconfirmed); ++status) {
     Answer sent{some_answer(), {}};
     sent.result.status = static_cast<LocalizationStatus>(status);
-    EXPECT_EQ(round_trip(sent).result.status, sent.result.status);
+    EXPECT_EQ(answer_round_trip(sent).result.status, sent.result.status);
   }
 }
 
@@ -66,7 +66,7 @@ TEST(AnswerSample, ARejectionHasNoPose) {
   Answer sent{some_answer(), {}};
   sent.result.status = LocalizationStatus::kPoorFit;
   sent.result.covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const LocalizationResult received = round_trip(sent).result;
+  const LocalizationResult received = answer_round_trip(sent).result;
   EXPECT_TRUE(received.T_map_body.p.isZero());
   EXPECT_TRUE(received.covariance.isZero());
   EXPECT_EQ(received.oldest_stamp, received.stamp);

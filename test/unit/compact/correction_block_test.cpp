@@ -8,7 +8,7 @@
 namespace fleetloc {
 namespace {
 
-Correction round_trip(const Correction& sent) {
+Correction correction_round_trip(const Correction& sent) {
   return decode_corrections(encode_corrections(sent), sent.anchor).value();
 }
 
@@ -27,7 +27,7 @@ void expect_nearly(const Matrix& a, const Matrix& b) {
 
 TEST(CorrectionBlock, RoundTripPreservesEveryItem) {
   const Correction sent = some_correction();
-  const Correction received = round_trip(sent);
+  const Correction received = correction_round_trip(sent);
   EXPECT_EQ(received.anchor, sent.anchor);
   ASSERT_EQ(received.relative_poses.size(), sent.relative_poses.size());
   for (std::size_t i = 0; i < sent.relative_poses.size(); ++i) {
@@ -51,7 +51,7 @@ TEST(CorrectionBlock, TellsLittleAcrossTheNormalOfAPlane) {
   Correction sent = some_correction(1);
   const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 2.0, -0.5).normalized();
   sent.landmarks[0].information = 1e4 * normal * normal.transpose();
-  const auto received = round_trip(sent).landmarks[0].information;
+  const auto received = correction_round_trip(sent).landmarks[0].information;
   const Eigen::Vector3d across = normal.unitOrthogonal();
   EXPECT_LT(across.dot(received * across), 1e4 * 4e-3);
   EXPECT_GT(normal.dot(received * normal), 1e4 * 0.85);
@@ -76,7 +76,7 @@ TEST(CorrectionBlock, TwentyLandmarksTakeLessThanHalfADatagram) {
 TEST(CorrectionBlock, AnEmptyOneIsABlockAsWell) {
   Correction sent;
   sent.anchor = KeyframeId{5};
-  const Correction received = round_trip(sent);
+  const Correction received = correction_round_trip(sent);
   EXPECT_TRUE(received.relative_poses.empty());
   EXPECT_TRUE(received.landmarks.empty());
 }

@@ -58,7 +58,9 @@ class KidnappedRobot {
   SimulatedSession robot_;
 };
 
-LocalizationResult answer_to(SessionLocalizer& localizer, const KidnappedRobot& robot, int i) {
+LocalizationResult answer_to_kidnapped(SessionLocalizer& localizer,
+                                       const KidnappedRobot& robot,
+                                       int i) {
   localizer.add(robot.submap(i));
   LocalizationResult answer = localizer.localize();
   while (localizer.is_searching() && answer.status != kLocalized) answer = localizer.localize();
@@ -79,7 +81,7 @@ TEST(KidnappedRobot, IsSaidToBeLostAndIsFoundAgain) {
     std::optional<int> right;
     double way_m = 0.0;
     for (int i = 0; i < kKeyframes && !right; ++i) {
-      const LocalizationResult answer = answer_to(localizer, robot, i);
+      const LocalizationResult answer = answer_to_kidnapped(localizer, robot, i);
       if (i > KidnappedRobot::kCarried && !lost) {
         way_m += (robot.truth(i).p - robot.truth(i - 1).p).norm();
       }

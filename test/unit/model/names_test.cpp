@@ -11,10 +11,10 @@ namespace {
 
 TEST(Names, OfStatusAreDistinctAndKnown) {
   std::set<std::string_view> names;
-  for (int i = 0; i <= static_cast<int>(LocalizationStatus::kUnconfirmed); ++i) {
+  for (int i = 0; i <= static_cast<int>(LocalizationStatus::kLost); ++i) {
     names.insert(name(static_cast<LocalizationStatus>(i)));
   }
-  EXPECT_EQ(names.size(), 10U);
+  EXPECT_EQ(names.size(), 11U);
   EXPECT_EQ(names.count("unknown"), 0U);
   EXPECT_EQ(name(LocalizationStatus::kTooFewMatches), "too_few_matches");
 }

@@ -51,13 +51,13 @@ constexpr ImuGapModel kGaps = [] {
 }();
 const Pose kT_map_body{exp_so3({0.0, 0.0, 2.0}), {12.0, -3.0, 1.0}};
 
-Timestamp at(int second) {
+Timestamp at_second(int second) {
   return Timestamp{std::chrono::seconds(second)};
 }
 
 /// An odometry that began 2 s and 1 m after the first frame.
 OdometryStart observed_start() {
-  return {.stamp = at(2),
+  return {.stamp = at_second(2),
           .T_odom_body = {Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}},
           .T_first_newest = Pose{Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}},
           .continued = std::nullopt};
@@ -100,8 +100,8 @@ TEST(SessionStart, IsAsUncertainAsWhatTheRobotMayHaveDoneUnobserved) {
   begin.T_first_newest.reset();
   for (const bool is_patient : {true, false}) {
     SessionStart session_start(kT_map_body, is_patient ? patient : kUser, kGaps);
-    session_start.note_frame(at(0));
-    session_start.note_frame(at(1));
+    session_start.note_frame(at_second(0));
+    session_start.note_frame(at_second(1));
     const auto start = session_start.of_session(begin, begin.T_odom_body, {});
     ASSERT_EQ(start.has_value(), is_patient);
     if (is_patient) {

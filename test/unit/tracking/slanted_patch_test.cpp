@@ -20,7 +20,7 @@ SlantedPatchConfig config() {
 }
 
 /// Stronger below than above, as on ground that comes nearer.
-double texture(double x, double y) {
+double texture_at(double x, double y) {
   const double wave = std::sin(0.9 * x + 0.4 * y) + std::sin(0.7 * y - 0.5 * x) +
                       std::sin(0.35 * x + 1.1 * y + 1.0);
   return 120.0 + (0.1 * y + 16.0) * wave;
@@ -34,7 +34,7 @@ cv::Mat image(double shift, double slope, double brighter = 0.0) {
     for (int x = 0; x < kSize; ++x) {
       const double moved = x - shift - slope * (y - static_cast<double>(kPoint.y));
       image.at<unsigned char>(y, x) =
-          cv::saturate_cast<unsigned char>(texture(moved, y) + brighter);
+          cv::saturate_cast<unsigned char>(texture_at(moved, y) + brighter);
     }
   }
   return image;

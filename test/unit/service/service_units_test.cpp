@@ -1,0 +1,78 @@
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+namespace fleetloc {
+namespace {
+
+const std::string kDeploy = FLEETLOC_SOURCE_DIR "/deploy/";
+
+/// Settings of a unit of systemd; of several of one name the last.
+std::map<std::string, std::string> settings_of(const std::string& unit) {
+  std::ifstream file(kDeploy + "packages/" + unit);
+  std::map<std::string, std::string> settings;
+  for (std::string line; std::getline(file, line);) {
+    const auto equals = line.find('=');
+    if (line.starts_with('#') || equals == std::string::npos) continue;
+    settings[line.substr(0, equals)] = line.substr(equals + 1);
+  }
+  return settings;
+}
+
+double draining_s() {
+  return YAML::LoadFile(kDeploy + "config/cloud.yaml")["pool"]["draining"]["max_s"].as<double>();
+}
+
+/// Value of a key of a service of the compose file, or of what it takes over by `<<`.
+YAML::Node setting_of(const YAML::Node& service, const std::string& key) {
+  if (const YAML::Node value = service[key]) return value;
+  if (const YAML::Node base = service["<<"]) return setting_of(base, key);
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+TEST(ServiceUnits, AreWatchedRestartedIfTheyFailAndNotIfTheyCannotStart) {
+  for (const char* unit : {"fleetloc-cloud.service", "fleetloc-robot.service"}) {
+    SCOPED_TRACE(unit);
+    auto settings = settings_of(unit);
+    EXPECT_EQ(settings["Type"], "notify");
+    EXPECT_EQ(settings["WatchdogSec"], "20");
+    EXPECT_EQ(settings["Restart"], "on-failure");
+    EXPECT_EQ(settings["RestartPreventExitStatus"], "2");
+    EXPECT_EQ(settings["DynamicUser"], "yes");
+    EXPECT_EQ(settings["ProtectSystem"], "strict");
+  }
+}
+
+TEST(ServiceUnits, LeaveALocalizerTheTimeToDrain) {
+  EXPECT_GT(std::stod(settings_of("fleetloc-cloud.service").at("TimeoutStopSec")), draining_s());
+  const YAML::Node compose = YAML::LoadFile(kDeploy + "docker/compose.yml");
+  for (const char* name : {"localizer_1", "localizer_2"}) {
+    const auto grace = setting_of(compose["services"][name], "stop_grace_period").as<std::string>();
+    EXPECT_GT(std::stod(grace), draining_s()) << name;
+    EXPECT_TRUE(grace.ends_with('s')) << grace;
+  }
+}
+
+TEST(ComposeFile, GivesNoContainerRightsOrANetworkBeyondTheFleets) {
+  const YAML::Node compose = YAML::LoadFile(kDeploy + "docker/compose.yml");
+  EXPECT_EQ(compose["networks"].size(), 5U);
+  for (const auto& network : compose["networks"]) {
+    EXPECT_TRUE(network.second["internal"].as<bool>(false)) << network.first;
+  }
+  EXPECT_GE(compose["services"].size(), 8U);
+  for (const auto& service : compose["services"]) {
+    SCOPED_TRACE(service.first.as<std::string>());
+    EXPECT_TRUE(setting_of(service.second, "read_only").as<bool>(false));
+    ASSERT_TRUE(setting_of(service.second, "cap_drop"));
+    EXPECT_EQ(setting_of(service.second, "cap_drop")[0].as<std::string>(), "ALL");
+    EXPECT_FALSE(setting_of(service.second, "ports"));
+    EXPECT_FALSE(setting_of(service.second, "privileged"));
+  }
+}
+
+}  // namespace
+}  // namespace fleetloc
