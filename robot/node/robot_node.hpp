@@ -15,6 +15,7 @@
 #include "shared/concurrency/reload_request.hpp"
 #include "shared/link/link_config.hpp"
 #include "shared/service/service_manager.hpp"
+#include "shared/transport/fleet_keys.hpp"
 
 namespace fleetloc {
 
