@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "shared/transport/topic_observer.hpp"
+#include "test/system/network_namespace.hpp"
+#include "test/transport/discovery_server.hpp"
 #include "test/transport/fleet_folder.hpp"
 #include "test/transport/wire_samples.hpp"
 
@@ -249,6 +251,37 @@ TEST_F(FleetSecurity, AParticipantThatIsMadeAgainIsTheSameMember) {
       EXPECT_NE(one.identity().prefix, before->prefix);
     }
     before = one.identity();
+  }
+}
+
+// Fast DDS 2.9.1 sends no secured discovery through a server, so nobody finds anybody: take peers.
+TEST_F(FleetSecurity, ADiscoveryServerLetsNoMemberFindAnother) {
+  if (const auto reason = NetworkNamespace::why_impossible()) GTEST_SKIP() << *reason;
+  if (const auto reason = DiscoveryServer::why_impossible()) GTEST_SKIP() << *reason;
+  NetworkNamespace computer;
+  const auto inside = computer.enter();
+  const DiscoveryServer server;
+  const auto client = [&](ChannelRole role, const std::string& kind, const std::string& name) {
+    auto config = secure_on_loopback(domain_.number(), role, name, fleet().keys(kind, name));
+    config.participant_profile = "secure_client";
+    return config;
+  };
+  const auto plain = [&](ChannelRole role, const std::string& name) {
+    auto config = on_loopback(domain_.number(), role, name);
+    config.participant_profile = "loopback_client";
+    return config;
+  };
+  DdsChannel cloud(client(ChannelRole::kCloud, "localizer", "cloud_1"));
+  DdsChannel robot(client(ChannelRole::kRobot, "robot", "robot_1"));
+  robot.prepare("cloud_1");
+  DdsChannel plain_cloud(plain(ChannelRole::kCloud, "cloud_2"));
+  DdsChannel plain_robot(plain(ChannelRole::kRobot, "robot_2"));
+  ASSERT_TRUE(matches(plain_robot, Topic::kSubmap, "cloud_2")) << "those without keys do";
+  const auto a_while = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (std::chrono::steady_clock::now() < a_while) {
+    plain_robot.wait_for_message(std::chrono::milliseconds(100));
+    ASSERT_EQ(robot.matched_readers(Topic::kSubmap, "cloud_1"), 0)
+        << "it works: offer -secure-server";
   }
 }
 

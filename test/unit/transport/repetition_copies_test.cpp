@@ -7,6 +7,8 @@
 
 #include <gmock/gmock.h>
 
+#include "test/transport/rtps_messages.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -141,6 +143,34 @@ TEST_F(RepetitionCopiesTest, WaitsLongerWhereSamplesAreRepeated) {
     EXPECT_EQ(repetition_.copies(sample, kHere, 100, now_), 1) << i;
   }
   EXPECT_GT(repetition_.copies(sample, kHere, 100, now_), 1);
+}
+
+// Each is encrypted anew: nobody can tell what is said again.
+TEST(RepeatedDatagramTest, IsNothingThatIsEncrypted) {
+  const Bytes destination = submessage(0x0e, 1, Bytes(12));
+  auto submessages = encrypted_submessage();
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages)));
+  submessages.insert(submessages.begin(), destination);
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages)));
+  submessages.push_back(heartbeat(1, 2));
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages))) << "beside what can be told";
+}
+
+// But not two of its messages, which follow each other at once.
+TEST(RepeatedDatagramTest, IsAHandshakeWhateverItsNumber) {
+  constexpr std::size_t kNumberAt = 20 + 4 + 12 + 4;  // its lower half
+  const Bytes first = message_of({handshake()});
+  Bytes again = first;
+  ++again[kNumberAt];
+  const auto one = RepeatedDatagram::read(first);
+  const auto other = RepeatedDatagram::read(again);
+  ASSERT_TRUE(one && other);
+  EXPECT_TRUE(one->is_discovery);
+  EXPECT_EQ(one->statement, other->statement);
+  const auto next = RepeatedDatagram::read(message_of({handshake(2, 2)}));
+  ASSERT_TRUE(next);
+  EXPECT_NE(one->statement, next->statement);
+  EXPECT_NE(one->subject, next->subject);
 }
 
 }  // namespace
