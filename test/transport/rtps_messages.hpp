@@ -137,9 +137,8 @@ inline Bytes secure_postfix(std::uint32_t receivers, std::size_t has, std::uint8
   return submessage(id, 1, ByteWriter().zeros(16).entity(receivers).zeros(20 * has).written());
 }
 /// One of two participants that authenticate each other.
-/// @param properties  that it says it has
-/// @param has         that it has
-inline Bytes handshake(std::uint32_t properties = 1, std::uint32_t has = 1) {
+/// @param properties  that it says it has, of one
+inline Bytes handshake(std::uint32_t properties = 1) {
   const auto text = [](ByteWriter& to) { to.u32(2).bytes({'a', 0, 0, 0}); };
   ByteWriter body;
   body.u16(0).u16(16).entity(0x0201c4).entity(0x0201c3).sequence_number(1).bytes({0, 1, 0, 0});
@@ -148,7 +147,8 @@ inline Bytes handshake(std::uint32_t properties = 1, std::uint32_t has = 1) {
   body.u32(1);
   text(body);
   body.u32(properties);
-  for (std::uint32_t i = 0; i < 2 * has; ++i) text(body);
+  text(body);
+  text(body);
   body.u32(0);
   return submessage(0x15, 1 | 4, body.written());
 }

@@ -1,4 +1,6 @@
 // DDS Security between members of a fleet, and against those who are none.
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -82,14 +84,49 @@ TEST_F(FleetSecurity, MembersExchangeASubmapAndAnAnswer) {
   EXPECT_THAT(cloud->diagnostics().malformed, testing::IsEmpty());
 }
 
-// More bytes than a datagram of 1400 has.
-TEST_F(FleetSecurity, ALongSubmapArrivesInFragments) {
+/// On the wire, with all headers, of a submap; the least of several, as announcements come
+/// by.
+std::uint64_t bytes_of_a_sample(DdsChannel& robot, DdsChannel& cloud, std::size_t rows = 0) {
+  std::uint64_t least = 100'000;
+  for (std::uint32_t number = 1; number <= 20; ++number) {
+    std::uint64_t before = 0;
+    EXPECT_TRUE(receives(
+        cloud,
+        [&] {
+          before = robot.statistics().sent_wire_bytes;
+          robot.send("cloud_1", numbered_submap(number, "robot_1", rows), {});
+        },
+        [&](const Message& message) { return number_of(message) == number; }));
+    const std::uint64_t sent = robot.statistics().sent_wire_bytes - before;
+    if (sent > 0) least = std::min(least, sent);
+  }
+  return least;
+}
+
+// Each with headers of its own.
+TEST_F(FleetSecurity, ALongSubmapArrivesInPiecesOf1400Bytes) {
+  constexpr std::size_t kRows = 3000;
+  constexpr std::uint64_t kHeaders = 28 + 20 + 48;  // the least of a piece
   const auto one = robot(fleet(), "robot_1");
   const auto cloud = localizer(fleet(), "cloud_1");
-  EXPECT_TRUE(receives(
-      *cloud,
-      [&] { one->send("cloud_1", numbered_submap(3, "robot_1", 3000), {}); },
-      [&](const Message& message) { return message.payload.size() > 6000; }));
+  ASSERT_TRUE(matches(*one, Topic::kSubmap, "cloud_1"));
+  const std::uint64_t payload = numbered_submap(1, "robot_1", kRows).payload.size();
+  ASSERT_GT(payload, 6000U);
+  EXPECT_GT(bytes_of_a_sample(*one, *cloud, kRows), payload + (payload / 1400 + 1) * kHeaders);
+}
+
+TEST_F(FleetSecurity, ASampleCostsUpTo160BytesMore) {
+  const auto one = robot(fleet(), "robot_1");
+  const auto cloud = localizer(fleet(), "cloud_1");
+  DdsChannel plain_one(on_loopback(domain_.number(), ChannelRole::kRobot, "robot_1"));
+  DdsChannel plain_cloud(on_loopback(domain_.number(), ChannelRole::kCloud, "cloud_1"));
+  ASSERT_TRUE(matches(*one, Topic::kSubmap, "cloud_1"));
+  ASSERT_TRUE(matches(plain_one, Topic::kSubmap, "cloud_1"));
+  const std::uint64_t with = bytes_of_a_sample(*one, *cloud);
+  const std::uint64_t without = bytes_of_a_sample(plain_one, plain_cloud);
+  RecordProperty("bytes_more", std::to_string(with - without));
+  EXPECT_GT(with, without + 48) << "a prefix, a postfix: it is protected";
+  EXPECT_LE(with, without + 160) << with << " instead of " << without;
 }
 
 // With the names of members, and permissions that its own CA has signed for all of that.

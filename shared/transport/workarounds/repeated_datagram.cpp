@@ -18,12 +18,6 @@ void append(RtpsBytes bytes, std::vector<std::uint8_t>& to) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-void append_number(std::size_t number, std::vector<std::uint8_t>& to) {
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    to.push_back(static_cast<std::uint8_t>(number >> shift));
-  }
-}
-
 /// @param is_reliable  set if the submessage is one that only reliable endpoints send
 /// @return false if it is none that is repeated
 bool add(const RtpsSubmessage& submessage, RepeatedDatagram& datagram, bool& is_reliable) {
@@ -60,13 +54,10 @@ bool add(const RtpsSubmessage& submessage, RepeatedDatagram& datagram, bool& is_
   const std::uint32_t writer = fields.entity();
   datagram.is_discovery &= (writer & kBuiltIn) == kBuiltIn;
   const bool is_data = submessage.kind == RtpsKind::kData;
-  const bool is_handshake = writer == kHandshakeWriter;
-  if (is_handshake) said = 0;  // the library numbers it anew when it repeats it
   for (auto* part : {&datagram.subject, &datagram.statement}) {
     part->push_back(static_cast<std::uint8_t>(submessage.kind));
     if (part == &datagram.statement) part->push_back(submessage.flags);
     append(entities, *part);
-    if (is_handshake) append_number(submessage.body.size(), *part);  // what tells one from the next
     if (is_data || part == &datagram.statement) {
       append(submessage.body.subspan(skipped + kEntitiesBytes, said), *part);
     }

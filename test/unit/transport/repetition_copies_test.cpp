@@ -156,22 +156,5 @@ TEST(RepeatedDatagramTest, IsNothingThatIsEncrypted) {
   EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages))) << "beside what can be told";
 }
 
-// But not two of its messages, which follow each other at once.
-TEST(RepeatedDatagramTest, IsAHandshakeWhateverItsNumber) {
-  constexpr std::size_t kNumberAt = 20 + 4 + 12 + 4;  // its lower half
-  const Bytes first = message_of({handshake()});
-  Bytes again = first;
-  ++again[kNumberAt];
-  const auto one = RepeatedDatagram::read(first);
-  const auto other = RepeatedDatagram::read(again);
-  ASSERT_TRUE(one && other);
-  EXPECT_TRUE(one->is_discovery);
-  EXPECT_EQ(one->statement, other->statement);
-  const auto next = RepeatedDatagram::read(message_of({handshake(2, 2)}));
-  ASSERT_TRUE(next);
-  EXPECT_NE(one->statement, next->statement);
-  EXPECT_NE(one->subject, next->subject);
-}
-
 }  // namespace
 }  // namespace fleetloc
