@@ -9,7 +9,7 @@ packages="g++ cmake ninja-build
   libpcl-dev libopencv-dev libceres-dev libfastrtps-dev libfastcdr-dev fastddsgen libyaml-cpp-dev
   libeigen3-dev libgtest-dev libgmock-dev libbenchmark-dev libcli11-dev libspdlog-dev
   nlohmann-json3-dev libnanoflann-dev libembree-dev libtinyxml2-dev libsystemd-dev libcpp-httplib-dev gnuplot-nox iproute2
-  libkainjow-mustache-dev libxxhash-dev libexpected-dev python3
+  libkainjow-mustache-dev libxxhash-dev libexpected-dev python3 openssl libssl-dev
   fastdds-tools"
 
 fail() {

@@ -42,11 +42,12 @@ DdsChannel::Config channel_config(const CloudNodeOptions& options) {
           .participant_profile = "cloud",
           .role = ChannelRole::kCloud,
           .name = options.name,
-          .link = options.link};
+          .link = options.link,
+          .keys = options.keys};
 }
 
 std::uint32_t domain_with_profiles(const CloudNodeOptions& options) {
-  load_monitor_profiles(options.monitor_qos);
+  load_monitor_profiles(options.monitor_qos, options.keys.has_value());
   return options.domain;
 }
 
@@ -65,7 +66,7 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
             map_,
             config.pool,
             make_pyramid(*map_, config.pool.pyramid)),
-      fleet_(domain_with_profiles(options)) {
+      fleet_(domain_with_profiles(options), options.keys) {
   if (!options.out.empty()) {
     std::filesystem::remove(options.out / kSessions);  // of the start before
     log_.emplace(options.out / "status.csv", steady_now());

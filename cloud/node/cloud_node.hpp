@@ -31,6 +31,7 @@ struct CloudNodeOptions {
   int workers = 1;                 ///< localizations at a time
   std::optional<LinkConfig> link;  ///< emulated; none: the network as it is
   std::optional<std::filesystem::path> monitor_qos = std::nullopt;  ///< none: the built-in one
+  std::optional<FleetKeys> keys = std::nullopt;                     ///< none: no DDS Security
   std::optional<double> publish_map_voxel_m;                        ///< to ROS 2; none: it is not
 };
 

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
                     kDefaultConfig);
     CloudNodeOptions options;
     std::string link;
+    std::string security;
     CLI::App& app = program.options();
     app.add_option("--map", options.map, "laser map, made by fleetloc-map")->required();
     app.add_option("--name", options.name, "1 to 32 of A-Z a-z 0-9 _ -")->required();
@@ -40,6 +41,10 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::Range(1, 256));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
+    app.add_option("--security",
+                   security,
+                   "folder of its keys, made by deploy/security/fleet-keys.sh; --qos is a -secure "
+                   "file then");
     app.add_option(
         "--monitor-qos",
         options.monitor_qos,
@@ -56,6 +61,7 @@ int main(int argc, char** argv) {
                                     "' is not 1 to 32 of A-Z a-z 0-9 _ -");
       }
       if (!link.empty()) options.link = read_link_file(link);
+      if (!security.empty()) options.keys.emplace(security);
       auto node = std::make_shared<CloudNode>(
           options, read_config(program.config()), termination->reload());
       return [node, termination] {

@@ -5,8 +5,10 @@
 
 namespace fleetloc {
 
-LiveFleet::LiveFleet(std::uint32_t domain, std::unique_ptr<FleetPage> page)
-    : reader_(domain), page_(std::move(page)) {}
+LiveFleet::LiveFleet(std::uint32_t domain,
+                     std::unique_ptr<FleetPage> page,
+                     const std::optional<FleetKeys>& keys)
+    : reader_(domain, keys), page_(std::move(page)) {}
 
 FleetView LiveFleet::update(ArrivalTime now) {
   for (const auto& news : reader_.take()) {

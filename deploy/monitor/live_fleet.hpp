@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "deploy/monitor/fleet_page.hpp"
 #include "deploy/monitor/served_fleet.hpp"
@@ -15,7 +16,9 @@ class LiveFleet final : public WatchedFleet {
  public:
   /// load_monitor_profiles() first. Throws TransportError.
   /// @param page  shows it as well; may be null
-  LiveFleet(std::uint32_t domain, std::unique_ptr<FleetPage> page);
+  LiveFleet(std::uint32_t domain,
+            std::unique_ptr<FleetPage> page,
+            const std::optional<FleetKeys>& keys = std::nullopt);
 
   FleetView update(ArrivalTime now) override;
   [[nodiscard]] std::chrono::milliseconds settles_in() const override;

@@ -31,6 +31,7 @@ struct Arguments {
   bool once = false;
   std::uint32_t domain = 0;
   std::optional<std::filesystem::path> qos;
+  std::string security;
   std::optional<int> http_port;
   std::string http_address = "127.0.0.1";
   std::string map;
@@ -57,8 +58,10 @@ std::unique_ptr<WatchedFleet> watched(const Arguments& arguments) {
         arguments.http_address, *arguments.http_port, thinned_map(arguments.map));
     std::cout << "http://" << arguments.http_address << ':' << page->port() << "/\n" << std::flush;
   }
-  load_monitor_profiles(arguments.qos);
-  return std::make_unique<LiveFleet>(arguments.domain, std::move(page));
+  std::optional<FleetKeys> keys;
+  if (!arguments.security.empty()) keys.emplace(arguments.security);
+  load_monitor_profiles(arguments.qos, keys.has_value());
+  return std::make_unique<LiveFleet>(arguments.domain, std::move(page), keys);
 }
 
 /// Waits, at most until `stop`.
@@ -108,6 +111,10 @@ int main(int argc, char** argv) {
     app.add_option("--qos",
                    arguments.qos,
                    "QoS profiles; else qos_profiles/monitor.xml as it was when this was built");
+    app.add_option("--security",
+                   arguments.security,
+                   "folder of its keys, made by deploy/security/fleet-keys.sh, where localizers "
+                   "have some");
     auto* http = app.add_option("--http", arguments.http_port, "port of a page with map and robots")
                      ->check(CLI::Range(0, 65535));
     app.add_option("--http-address", arguments.http_address, "that it listens on")

@@ -37,6 +37,7 @@ constexpr const char* kDescription =
     "discovery. Poses (fleetloc/pose) are seen on the robot's own computer only.";
 
 struct Arguments {
+  std::string security;
   std::string qos;
   std::string profile = "robot";
   std::uint32_t domain = 0;
@@ -141,6 +142,9 @@ void add_common(CLI::App& command, Arguments& arguments) {
       "--qos", arguments.qos, "QoS profiles that the fleet uses; lan.xml if nothing is said");
   command.add_option("--profile", arguments.profile, "participant in that file: robot or cloud");
   command.add_option("--domain", arguments.domain, "DDS domain, 0 to 100");
+  command.add_option("--security",
+                     arguments.security,
+                     "folder of an observer's keys, made by deploy/security/fleet-keys.sh");
 }
 
 }  // namespace
@@ -173,7 +177,10 @@ int main(int argc, char** argv) {
       auto termination = std::make_shared<Termination>();  // before any thread
       if (list_command->parsed() && listening->count() == 0) arguments.duration_s = 5.0;
       load_qos_profiles(arguments.qos.empty() ? default_qos() : arguments.qos);
-      auto observer = std::make_shared<TopicObserver>(arguments.domain, arguments.profile, "local");
+      std::optional<FleetKeys> keys;
+      if (!arguments.security.empty()) keys.emplace(arguments.security);
+      auto observer =
+          std::make_shared<TopicObserver>(arguments.domain, arguments.profile, "local", keys);
       const auto run = list_command->parsed() ? list : echo;
       return [=] { return run(*observer, arguments, termination->token()); };
     });

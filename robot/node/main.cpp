@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
     std::string initial_pose;
     std::string initial_sigma;
     std::string link;
+    std::string security;
     double duration = 0.0;
     std::string encoding;
     CLI::App& app = program.options();
@@ -76,6 +77,10 @@ int main(int argc, char** argv) {
     app.add_option("--encoding", encoding, "of the submaps; compact if nothing is said")
         ->check(CLI::IsMember({"compact", "full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
+    app.add_option("--security",
+                   security,
+                   "folder of its keys, made by deploy/security/fleet-keys.sh; --qos is a -secure "
+                   "file then");
     return program.run(argc, argv, [&] {
       auto termination = std::make_shared<Termination>(Hangup::kReload);  // before any thread
       if (!is_valid_id(options.id)) {
@@ -88,6 +93,7 @@ int main(int argc, char** argv) {
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
       if (!link.empty()) options.link = read_link_file(link);
+      if (!security.empty()) options.keys.emplace(security);
       ConfigReader config = program.config();
       if (!encoding.empty()) {
         config.overlay(ConfigReader::from_string("client: {uplink: {encoding: " + encoding + "}}",

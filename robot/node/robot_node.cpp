@@ -34,7 +34,8 @@ DdsChannel::Config channel_config(const RobotNodeOptions& options) {
           .participant_profile = "robot",
           .role = ChannelRole::kRobot,
           .name = options.id,
-          .link = options.link};
+          .link = options.link,
+          .keys = options.keys};
 }
 
 // The time of day orders the runs of a robot's program: the sensors' stamps need not. Session

@@ -15,6 +15,7 @@
 #include "shared/concurrency/reload_request.hpp"
 #include "shared/link/link_config.hpp"
 #include "shared/service/service_manager.hpp"
+#include "shared/transport/fleet_keys.hpp"
 
 namespace fleetloc {
 
@@ -31,6 +32,7 @@ struct RobotNodeOptions {
   std::optional<double> duration_s;
   std::optional<Pose> T_map_body;   ///< at the first image
   std::filesystem::path last_pose;  ///< keeps the pose for the next start; empty: none does
+  std::optional<FleetKeys> keys = std::nullopt;  ///< none: no DDS Security
   std::optional<LinkConfig> link;
   std::string config;  ///< in force, as YAML; for the run folder
 };

@@ -27,7 +27,8 @@ string(REPLACE " " ";" FLEETLOC_FOLDERS "${FLEETLOC_LAYERS}")
 
 # Third-party headers that only these may include.
 set(FLEETLOC_OWNERS "(fastdds|fastrtps)/=shared/transport(/workarounds|/ros2|/monitoring)?"
-    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "systemd/=shared/service" "httplib=deploy/monitor" "tl/=shared/core")
+    "fastcdr/=shared/cdr" "pcl/=cloud/point_cloud|deploy/replay" "embree3/=deploy/sim/world" "systemd/=shared/service" "httplib=deploy/monitor" "tl/=shared/core"
+    "openssl/=shared/transport")
 
 function(fleetloc_layer_of folder out)
   set(index 0)

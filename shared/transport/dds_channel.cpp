@@ -46,7 +46,12 @@ DdsChannel::DdsChannel(const Config& config)
       connection_(connect({.predecessor = {}, .peers = lookup_.find(kFirstLookup)})),
       watch_([this](const std::stop_token& stop) { watch(stop); }) {}
 
-std::unique_ptr<DdsConnection> DdsChannel::connect(const ParticipantOptions& options) {
+std::unique_ptr<DdsConnection> DdsChannel::connect(ParticipantOptions options) {
+  options.keys = config_.keys;
+  if (options.keys) {
+    const bool is_robot = config_.role == ChannelRole::kRobot;
+    options.keys->require(is_robot ? FleetRole::kRobot : FleetRole::kLocalizer, config_.name);
+  }
   return std::make_unique<DdsConnection>(
       config_, wire_, options, [this](expected<Message, KeyDefect> message) {
         deliver(std::move(message));

@@ -76,7 +76,7 @@ class DdsChannel final : public Channel {
   std::vector<std::string> take_events();
 
  private:
-  std::unique_ptr<DdsConnection> connect(const ParticipantOptions& options);
+  std::unique_ptr<DdsConnection> connect(ParticipantOptions options);
   void deliver(expected<Message, KeyDefect> message);
   void watch(const std::stop_token& stop);
   void wait_and_look(ParticipantRecreationPolicy& policy,

@@ -1,6 +1,7 @@
 #include "shared/transport/dds_connection.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include <fastdds/dds/core/status/PublicationMatchedStatus.hpp>
 #include <fastdds/dds/core/status/SubscriptionMatchedStatus.hpp>
@@ -27,7 +28,8 @@ DdsConnection::DdsConnection(const DdsChannelConfig& end,
                              const std::shared_ptr<WireLink>& wire,
                              const ParticipantOptions& options,
                              Deliver deliver)
-    : participant_(end.domain, end.participant_profile, wire, options),
+    : keys_(options.keys),
+      participant_(end.domain, end.participant_profile, wire, options),
       subscriptions_(subscribe(end)),
       versions_(end.role == ChannelRole::kCloud ? participant_.create_writer(versions_topic_spec())
                                                 : nullptr),
@@ -96,12 +98,28 @@ bool DdsConnection::take(dds::DataReader& reader) {
   dds::SampleInfo info;
   if (reader.take_next_sample(&message.payload, &info) != ReturnCode_t::RETCODE_OK) return false;
   if (!info.valid_data) return true;
-  if (const auto key = key_of(message.payload)) {
-    deliver_(std::move(message));
-  } else {
+  const auto key = key_of(message.payload);
+  if (!key) {
     deliver_(unexpected(key.error()));
+  } else if (!is_of_its_writer(message.topic, *key, info.publication_handle)) {
+    deliver_(unexpected(KeyDefect::kForeignWriter));
+  } else {
+    deliver_(std::move(message));
   }
   return true;
+}
+
+// The key of an answer is its receiver's; by their permissions only localizers write some.
+bool DdsConnection::is_of_its_writer(Topic topic,
+                                     std::string_view key,
+                                     const dds::InstanceHandle_t& writer) const {
+  if (!keys_ || topic == Topic::kLocalization) return true;
+  const FleetRole role =
+      topic == Topic::kLocalizerStatus ? FleetRole::kLocalizer : FleetRole::kRobot;
+  const auto guid = iHandle2GUID(writer);
+  const auto expected_begin = keys_->guid_begin(role, std::string(key));
+  return std::ranges::equal(expected_begin,
+                            std::span(guid.guidPrefix.value).first(expected_begin.size()));
 }
 
 }  // namespace fleetloc

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct DdsChannelConfig {
   std::uint32_t domain;  ///< 0..100
   std::string participant_profile;
   ChannelRole role;
-  std::string name;                ///< of the robot or the localizer
-  std::optional<LinkConfig> link;  ///< emulated around this end, see EmulatedLink
+  std::string name;                              ///< of the robot or the localizer
+  std::optional<LinkConfig> link;                ///< emulated around this end, see EmulatedLink
+  std::optional<FleetKeys> keys = std::nullopt;  ///< of this end, see ParticipantOptions
 };
 
 /// Topic and receiver of a writer, as in Channel::send.
@@ -64,7 +66,12 @@ class DdsConnection {
 
   std::vector<Subscription> subscribe(const DdsChannelConfig& end);
   bool take(eprosima::fastdds::dds::DataReader& reader);
+  /// Whether a robot or localizer speaks of itself; without keys nobody can tell.
+  [[nodiscard]] bool is_of_its_writer(Topic topic,
+                                      std::string_view key,
+                                      const eprosima::fastdds::dds::InstanceHandle_t& writer) const;
 
+  std::optional<FleetKeys> keys_;
   Participant participant_;
   std::map<Destination, EntityPtr<eprosima::fastdds::dds::DataWriter>> writers_;
   std::vector<Subscription> subscriptions_;

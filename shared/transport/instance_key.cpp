@@ -32,6 +32,8 @@ std::string_view name(KeyDefect defect) {
       return "encapsulation";
     case KeyDefect::kCutShort:
       return "cut_short";
+    case KeyDefect::kForeignWriter:
+      return "foreign_writer";
   }
   return "";
 }

@@ -17,7 +17,8 @@ inline constexpr std::size_t kEncapsulationBytes = 4;
 /// Why the key of a sample cannot be read.
 enum class KeyDefect {
   kEncapsulation,  ///< not that of CDR
-  kCutShort        ///< the sample ends within its key
+  kCutShort,       ///< the sample ends within its key
+  kForeignWriter   ///< its key is another member's than the one that wrote it, see FleetKeys
 };
 std::string_view name(KeyDefect defect);
 

@@ -43,6 +43,12 @@ void read(const std::filesystem::path& file, XMLDocument& document) {
   if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS) fail(file, document.ErrorStr());
 }
 
+void parse(std::string_view xml, const std::string& name, XMLDocument& document) {
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
+    fail(name, document.ErrorStr());
+  }
+}
+
 // The element that holds the profiles: the root, or one in it.
 XMLElement* profiles_of(XMLDocument& document) {
   XMLElement* root = document.RootElement();
@@ -54,11 +60,26 @@ bool is_list(const XMLElement& element) {
   return std::string_view(element.Name()).ends_with("List");
 }
 
+std::string text_in(const XMLElement* parent, const char* name) {
+  const XMLElement* element = parent == nullptr ? nullptr : parent->FirstChildElement(name);
+  return element == nullptr || element->GetText() == nullptr ? "" : element->GetText();
+}
+
+// Of several properties that with the same name.
+XMLElement* counterpart(XMLElement& parent, const XMLElement& wanted) {
+  XMLElement* it = parent.FirstChildElement(wanted.Name());
+  if (std::string_view(wanted.Name()) != "property") return it;
+  while (it != nullptr && text_in(it, "name") != text_in(&wanted, "name")) {
+    it = it->NextSiblingElement(wanted.Name());
+  }
+  return it;
+}
+
 // What `over` holds takes the place of what is there; lists (of peers, servers) do as a whole.
 void lay_over(const XMLElement& over, XMLElement& base) {
   for (const XMLElement* it = over.FirstChildElement(); it != nullptr;
        it = it->NextSiblingElement()) {
-    XMLElement* old = base.FirstChildElement(it->Name());
+    XMLElement* old = counterpart(base, *it);
     if (old != nullptr && it->FirstChildElement() != nullptr && !is_list(*it)) {
       lay_over(*it, *old);
       continue;
@@ -71,11 +92,6 @@ void lay_over(const XMLElement& over, XMLElement& base) {
 bool is_address(const std::string& text) {
   in_addr ignored{};
   return inet_pton(AF_INET, text.c_str(), &ignored) == 1;
-}
-
-std::string text_in(const XMLElement* parent, const char* name) {
-  const XMLElement* element = parent == nullptr ? nullptr : parent->FirstChildElement(name);
-  return element == nullptr || element->GetText() == nullptr ? "" : element->GetText();
 }
 
 // What a profile, or a transport in the list of them, is told apart by; that list itself by
@@ -116,6 +132,21 @@ void lay_over(XMLDocument& document, const std::filesystem::path& file, XMLDocum
   XMLElement* base_profiles = profiles_of(base);
   if (profiles == nullptr || base_profiles == nullptr) fail(file, "no profiles");
   lay_over(*profiles, file, *base_profiles);
+}
+
+/// The content of a file, laid over that of its base, which may have one as well.
+/// @param depth  of a file that stands on itself there is no end
+void read_over_base(const std::filesystem::path& file, XMLDocument& document, int depth = 0) {
+  constexpr int kDeepest = 8;
+  if (depth > kDeepest) fail(file, "its bases go round in a circle");
+  read(file, document);
+  const XMLElement* root = document.RootElement();
+  const char* base_name = root == nullptr ? nullptr : root->Attribute(kBasedOn);
+  if (base_name == nullptr) return;
+  XMLDocument base;
+  read_over_base(file.parent_path() / base_name, base, depth + 1);
+  lay_over(document, file, base);
+  base.DeepCopy(&document);
 }
 
 NamedPeer peer_at(const XMLElement& locator) {
@@ -212,20 +243,19 @@ void load(XMLDocument& document, const std::filesystem::path& file) {
 
 void load_qos_profiles(const std::filesystem::path& file) {
   XMLDocument document;
-  read(file, document);
-  const XMLElement* root = document.RootElement();
-  const char* base_name = root == nullptr ? nullptr : root->Attribute(kBasedOn);
-  if (base_name == nullptr) return load(document, file);
-  XMLDocument base;
-  read(file.parent_path() / base_name, base);
-  lay_over(document, file, base);
-  load(base, file);
+  read_over_base(file, document);
+  load(document, file);
 }
 
-void load_embedded_qos_profiles(std::string_view xml, const std::string& name) {
+void load_embedded_qos_profiles(std::string_view xml,
+                                const std::string& name,
+                                std::string_view over) {
   XMLDocument document;
-  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
-    fail(name, document.ErrorStr());
+  parse(xml, name, document);
+  if (!over.empty()) {
+    XMLDocument variant;
+    parse(over, name, variant);
+    lay_over(variant, name, document);
   }
   load(document, name);
 }

@@ -15,15 +15,18 @@ namespace fleetloc {
 ///
 /// Beyond what Fast DDS knows:
 /// - `<dds xmlns:fleetloc="fleetloc" fleetloc:based_on="lan.xml">`: the profiles of that file, in
-///   the same folder, but for those that this file defines.
+///   the same folder, but for those that this file defines. It may have a base of its own.
 /// - The addresses of a participant's initial peers and discovery servers may be host names. They
 ///   are resolved when a participant is created, not when the file is loaded: a host that is not
 ///   known yet, or has moved, is no error.
 void load_qos_profiles(const std::filesystem::path& file);
 
-/// The same with profiles that the program brings along, which have no base.
+/// The same with profiles that the program brings along.
+/// @param over  those that are laid over them, if any
 /// @param name  in messages
-void load_embedded_qos_profiles(std::string_view xml, const std::string& name);
+void load_embedded_qos_profiles(std::string_view xml,
+                                const std::string& name,
+                                std::string_view over = {});
 
 /// Peers and discovery servers of a loaded participant profile.
 std::vector<NamedPeer> named_peers(const std::string& participant_profile);

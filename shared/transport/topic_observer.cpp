@@ -22,8 +22,10 @@ namespace {
 constexpr std::chrono::seconds kLookup{2};  // of peers' names
 
 ParticipantOptions options_for(const std::string& profile,
-                               dds::DomainParticipantListener* listener) {
+                               dds::DomainParticipantListener* listener,
+                               const std::optional<FleetKeys>& keys = std::nullopt) {
   ParticipantOptions options;
+  options.keys = keys;
   options.peers = PeerLookup(named_peers(profile)).find(kLookup);
   options.listener = listener;
   options.is_told_everything = true;
@@ -88,9 +90,10 @@ class TopicObserver::Discovery final : public dds::DomainParticipantListener {
 
 TopicObserver::TopicObserver(std::uint32_t domain,
                              const std::string& profile,
-                             const std::string& local)
+                             const std::string& local,
+                             const std::optional<FleetKeys>& keys)
     : discovery_(std::make_unique<Discovery>()),
-      participant_(domain, profile, nullptr, options_for(profile, discovery_.get())),
+      participant_(domain, profile, nullptr, options_for(profile, discovery_.get(), keys)),
       local_(domain, local, nullptr, options_for(local, discovery_.get())) {
   discovery_->ignore(participant_.identity().prefix);
   discovery_->ignore(local_.identity().prefix);

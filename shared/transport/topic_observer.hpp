@@ -32,7 +32,10 @@ class TopicObserver {
   /// @param profile  of a participant: "robot" or "cloud". A discovery server, which tells others
   ///                 only of what concerns them, tells an observer everything
   /// @param local    the same, for fleetloc/pose, which does not leave its computer: "local"
-  TopicObserver(std::uint32_t domain, const std::string& profile, const std::string& local);
+  TopicObserver(std::uint32_t domain,
+                const std::string& profile,
+                const std::string& local,
+                const std::optional<FleetKeys>& keys = std::nullopt);
   ~TopicObserver();
   TopicObserver(const TopicObserver&) = delete;
   TopicObserver& operator=(const TopicObserver&) = delete;

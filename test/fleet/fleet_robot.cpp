@@ -3,6 +3,7 @@
 // how long a localizer takes to answer.
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::duration;
 
 struct Options {
-  std::string id, qos, link;
+  std::string id, qos, link, security;
   std::uint32_t domain = 0;
   int count = 1;
   double submaps_hz = 0.0;
@@ -51,6 +52,11 @@ std::optional<LinkConfig> link_in(const std::string& file) {
   return read_link_config(ConfigReader::from_file(file));
 }
 
+std::optional<FleetKeys> keys_in(const Options& options) {
+  if (options.security.empty()) return std::nullopt;
+  return FleetKeys(std::filesystem::path(options.security) / options.id);
+}
+
 class FleetRobot {
  public:
   FleetRobot(const Options& options, const CloudClient::Config& config)
@@ -59,7 +65,8 @@ class FleetRobot {
                   .participant_profile = "robot",
                   .role = ChannelRole::kRobot,
                   .name = options.id,
-                  .link = link_in(options.link)}),
+                  .link = link_in(options.link),
+                  .keys = keys_in(options)}),
         client_(options.id, channel_, config) {}
 
   /// Prints a line: id, bytes up and down in the first `start_s`, bytes per second up and down at
@@ -152,6 +159,7 @@ int main(int argc, char** argv) {
     app.add_option("--count", options.count, "robots in this process, ID_1 and so on");
     app.add_option("--domain", options.domain, "DDS domain, 0 to 100");
     app.add_option("--link", options.link, "YAML: loss, delay and rate to emulate");
+    app.add_option("--security", options.security, "folder with a folder of keys for each robot");
     app.add_option("--submaps", options.submaps_hz, "submaps a second");
     app.add_option("--start", options.start_s, "seconds that count as the start");
     app.add_option("--settled", options.settled_s, "age from which on it is at rest [s]");

@@ -125,6 +125,34 @@ inline Bytes announcement(const std::vector<std::pair<std::uint16_t, std::uint16
   return submessage(0x15, 1 | 4, body.written());
 }
 
+/// Of DDS Security. Kinds 1 and 3 sign, 2 and 4 encrypt.
+inline Bytes secure_prefix(std::uint8_t kind, std::uint8_t id = 0x31) {
+  return submessage(id, 1, ByteWriter().bytes({0, 0, 0, kind}).zeros(16).written());
+}
+/// @param says  how many bytes are encrypted
+inline Bytes secure_body(std::uint32_t says, std::size_t has) {
+  return submessage(0x30, 1, ByteWriter().entity(says).zeros(has).written());
+}
+inline Bytes secure_postfix(std::uint32_t receivers, std::size_t has, std::uint8_t id = 0x32) {
+  return submessage(id, 1, ByteWriter().zeros(16).entity(receivers).zeros(20 * has).written());
+}
+/// One of two participants that authenticate each other.
+/// @param properties  that it says it has, of one
+inline Bytes handshake(std::uint32_t properties = 1) {
+  const auto text = [](ByteWriter& to) { to.u32(2).bytes({'a', 0, 0, 0}); };
+  ByteWriter body;
+  body.u16(0).u16(16).entity(0x0201c4).entity(0x0201c3).sequence_number(1).bytes({0, 1, 0, 0});
+  body.zeros(96);
+  text(body);
+  body.u32(1);
+  text(body);
+  body.u32(properties);
+  text(body);
+  text(body);
+  body.u32(0);
+  return submessage(0x15, 1 | 4, body.written());
+}
+
 inline std::vector<std::pair<std::string, Bytes>> valid_submessages() {
   ByteWriter nack_frag;
   nack_frag.entity(0).entity(kPublicationsWriter).sequence_number(1).u32(1).u32(3).zeros(4).u32(1);
@@ -143,7 +171,13 @@ inline std::vector<std::pair<std::string, Bytes>> valid_submessages() {
           {"DATA", submessage(0x15, 1 | 4, data.written())},
           {"DATA_FRAG", data_frag(2, 5000)},
           {"statistics", submessage(0x80, 1, Bytes(56))},
-          {"announcement", announcement({{0x0015, 4}, {0x0016, 4}, {0x0050, 16}})}};
+          {"announcement", announcement({{0x0015, 4}, {0x0016, 4}, {0x0050, 16}})},
+          {"handshake", handshake()}};
+}
+
+/// What goes through a network whose participants encrypt.
+inline std::vector<Bytes> encrypted_submessage() {
+  return {secure_prefix(4), secure_body(37, 40), secure_postfix(0, 0)};
 }
 
 /// Some valid submessages, most of them with a few bytes changed.

@@ -14,8 +14,8 @@ constexpr std::size_t kMaxNews = 10'000;
 
 }  // namespace
 
-FleetReader::FleetReader(std::uint32_t domain)
-    : participant_(domain, "monitor"),
+FleetReader::FleetReader(std::uint32_t domain, const std::optional<FleetKeys>& keys)
+    : participant_(domain, "monitor", nullptr, {.keys = keys}),
       robots_(participant_.create_reader(served_robots_topic_spec())),
       localizers_(participant_.create_reader(served_localizers_topic_spec())),
       thread_({robots_.get(), localizers_.get()},

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -20,7 +21,7 @@ class FleetReader {
   using News = std::variant<ServedRobot, LocalizerStatus>;
 
   /// Throws TransportError.
-  explicit FleetReader(std::uint32_t domain);
+  explicit FleetReader(std::uint32_t domain, const std::optional<FleetKeys>& keys = std::nullopt);
 
   /// What has arrived since the last call and is well-formed, oldest first; the latest 10,000.
   std::vector<News> take();

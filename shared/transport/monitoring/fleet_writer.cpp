@@ -7,8 +7,8 @@
 
 namespace fleetloc {
 
-FleetWriter::FleetWriter(std::uint32_t domain)
-    : participant_(domain, "monitored"),
+FleetWriter::FleetWriter(std::uint32_t domain, const std::optional<FleetKeys>& keys)
+    : participant_(domain, "monitored", nullptr, {.keys = keys}),
       robots_(participant_.create_writer(served_robots_topic_spec())),
       localizers_(participant_.create_writer(served_localizers_topic_spec())) {}
 

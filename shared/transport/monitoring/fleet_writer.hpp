@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "shared/model/served_robot.hpp"
@@ -15,7 +16,7 @@ namespace fleetloc {
 class FleetWriter {
  public:
   /// Throws TransportError.
-  explicit FleetWriter(std::uint32_t domain);
+  explicit FleetWriter(std::uint32_t domain, const std::optional<FleetKeys>& keys = std::nullopt);
 
   /// Whether anybody watches.
   [[nodiscard]] bool is_watched() const;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "shared/transport/workarounds/parameter_check.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
@@ -38,6 +39,11 @@ bool writes_parameters(std::uint32_t writer) {
 }
 
 bool is_payload(Bytes payload, std::uint32_t writer, const RtpsLimits& limits) {
+  if (writer == kHandshakeWriter) {
+    constexpr std::uint8_t kLittleEndianCdr = 1;  // 0: big endian
+    return payload.size() >= 4 && payload[0] == 0 && payload[1] <= kLittleEndianCdr &&
+           is_handshake_message(payload.subspan(4), payload[1] == kLittleEndianCdr);
+  }
   if (!writes_parameters(writer)) return true;
   constexpr std::uint8_t kBigEndianList = 2;
   constexpr std::uint8_t kLittleEndianList = 3;
@@ -94,6 +100,7 @@ bool is_data_frag(Fields fields, std::uint8_t flags, std::uint32_t largest_sampl
   constexpr std::uint8_t kIsKeyOfFragments = 0x04;  // nobody sends it; read from nowhere
   const auto head = sample_head(fields, kFragmentFields);
   if (!head || writes_parameters(head->writer)) return false;  // those fit into one datagram
+  if (head->writer == kHandshakeWriter) return false;          // the library does not split them
   if ((flags & kIsKeyOfFragments) != 0) return false;
   Fields own(head->own, (flags & kLittleEndian) != 0);
   const std::uint32_t first = own.u32();
@@ -155,6 +162,101 @@ bool is_heartbeat_frag(Fields fields) {
   return number >= 1 && last >= 1 && fields.is_complete();
 }
 
+// Kinds of transformation (DDS Security 1.1, table 63): 1 and 3 sign, 2 and 4 encrypt.
+enum class Protection : std::uint8_t { kNone, kSigned, kEncrypted };
+Protection protection_of(Bytes prefix) {
+  constexpr std::size_t kPrefixBytes = 20;
+  constexpr std::uint8_t kAes256Gcm = 4;
+  if (prefix.size() != kPrefixBytes || prefix[0] != 0 || prefix[1] != 0 || prefix[2] != 0) {
+    return Protection::kNone;
+  }
+  const std::uint8_t kind = prefix[3];
+  if (kind == 0 || kind > kAes256Gcm) return Protection::kNone;
+  return kind % 2 == 0 ? Protection::kEncrypted : Protection::kSigned;
+}
+
+// The library decrypts as many bytes as it says, before it looks at the signature.
+bool is_secure_body(Bytes body) {
+  Fields fields(body, false);
+  const std::size_t size = fields.u32();
+  return fields.is_complete() && size > 0 && size <= fields.rest().size();
+}
+
+// One signature, and one for each of some receivers; their number is big endian always.
+bool is_secure_postfix(Bytes body) {
+  constexpr std::size_t kMac = 16;
+  constexpr std::size_t kReceiverMac = 20;
+  Fields fields(body, false);
+  fields.skip(kMac);
+  const std::size_t receivers = fields.u32();
+  return fields.is_complete() && fields.rest().size() == receivers * kReceiverMac;
+}
+
+/// The order of submessages that protect others: a prefix, what it says that there is, a postfix.
+class ProtectionOrder {
+ public:
+  /// @param is_first  in its message
+  /// @param is_last   but for statistics
+  /// @return false if it may not stand here
+  bool take(RtpsKind kind, Bytes body, bool is_first, bool is_last) {
+    switch (kind) {
+      case RtpsKind::kSrtpsPrefix:
+        message_ = protection_of(body);
+        return is_first && begin(message_);
+      case RtpsKind::kSrtpsPostfix:
+        return is_last && ends(message_) && !in_submessage_ && is_secure_postfix(body);
+      case RtpsKind::kSecPrefix:
+        if (in_submessage_ || needs_body_ || is_over_) return false;
+        in_submessage_ = true;
+        submessage_ = protection_of(body);
+        has_content_ = false;
+        return begin(submessage_);
+      case RtpsKind::kSecPostfix:
+        if (!in_submessage_ || !has_content_) return false;
+        in_submessage_ = false;
+        return ends(submessage_) && is_secure_postfix(body);
+      case RtpsKind::kSecBody:
+        if (!needs_body_ || !is_secure_body(body)) return false;
+        needs_body_ = false;
+        has_content_ = true;
+        is_over_ = !in_submessage_;
+        return true;
+      default:
+        return plain();
+    }
+  }
+
+  [[nodiscard]] bool is_complete() const {
+    return !in_submessage_ && !needs_body_ && message_ == Protection::kNone;
+  }
+
+ private:
+  bool begin(Protection protection) {
+    needs_body_ = protection == Protection::kEncrypted;
+    return protection != Protection::kNone;
+  }
+
+  bool ends(Protection& protection) {
+    const bool was_begun = std::exchange(protection, Protection::kNone) != Protection::kNone;
+    is_over_ = false;
+    return was_begun && !needs_body_;
+  }
+
+  // In a protected submessage there is one.
+  bool plain() {
+    if (needs_body_ || is_over_) return false;
+    if (!in_submessage_) return true;
+    return !std::exchange(has_content_, true);
+  }
+
+  Protection message_ = Protection::kNone;
+  Protection submessage_ = Protection::kNone;
+  bool in_submessage_ = false;
+  bool has_content_ = false;
+  bool needs_body_ = false;
+  bool is_over_ = false;  // the encrypted body of a whole message has been there
+};
+
 bool is_statistics(std::uint8_t flags, std::size_t length) {
   return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
 }
@@ -186,6 +288,12 @@ std::optional<bool> is_valid(const RtpsSubmessage& submessage, const RtpsLimits&
       return is_data(fields, flags, limits);
     case RtpsKind::kDataFrag:
       return is_data_frag(fields, flags, limits.largest_sample_bytes);
+    case RtpsKind::kSecBody:
+    case RtpsKind::kSecPrefix:
+    case RtpsKind::kSecPostfix:
+    case RtpsKind::kSrtpsPrefix:
+    case RtpsKind::kSrtpsPostfix:
+      return true;  // see ProtectionOrder
     case RtpsKind::kStatistics:
       return is_statistics(flags, body.size());
   }
@@ -210,6 +318,8 @@ std::string_view name(RtpsDefect defect) {
       return "statistics";
     case RtpsDefect::kTooManyGaps:
       return "too_many_gaps";
+    case RtpsDefect::kProtection:
+      return "protection";
   }
   return "";
 }
@@ -222,7 +332,8 @@ expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
   if (datagram[4] != kMajorVersion) return unexpected(RtpsDefect::kVersion);
   const bool is_of_fast_dds = std::ranges::equal(datagram.subspan(kVendorAt, 2), kFastDds);
   Bytes rest = datagram.subspan(kRtpsHeaderBytes);
-  while (!rest.empty()) {
+  ProtectionOrder order;
+  for (bool is_first = true; !rest.empty(); is_first = false) {
     const auto submessage = take_submessage(rest);
     if (!submessage) return unexpected(RtpsDefect::kCutShort);
     const bool is_statistics = submessage->kind == RtpsKind::kStatistics;
@@ -232,7 +343,13 @@ expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
     if (!valid) return unexpected(RtpsDefect::kUnknownSubmessage);
     if (is_statistics && (!*valid || !rest.empty())) return unexpected(RtpsDefect::kStatistics);
     if (!*valid) return unexpected(RtpsDefect::kInvalidSubmessage);
+    if (is_statistics) continue;
+    const bool is_last = rest.empty() || static_cast<RtpsKind>(rest[0]) == RtpsKind::kStatistics;
+    if (!order.take(submessage->kind, submessage->body, is_first, is_last)) {
+      return unexpected(RtpsDefect::kProtection);
+    }
   }
+  if (!order.is_complete()) return unexpected(RtpsDefect::kProtection);
   return {};
 }
 

@@ -21,9 +21,10 @@ enum class RtpsDefect : std::uint8_t {
   kUnknownSubmessage,  ///< of a kind that neither RTPS 2.2 nor Fast DDS has
   kInvalidSubmessage,  ///< its fields contradict each other, or its length
   kStatistics,         ///< those of Fast DDS where it does not put them
-  kTooManyGaps         ///< see GapBudget
+  kTooManyGaps,        ///< see GapBudget
+  kProtection  ///< of DDS Security: its submessages in another order, or not as long as they say
 };
-inline constexpr std::size_t kRtpsDefects = 7;
+inline constexpr std::size_t kRtpsDefects = 8;
 std::string_view name(RtpsDefect defect);
 
 /// What is taken beside what the grammar says.
@@ -41,7 +42,8 @@ struct RtpsLimits {
 /// parameter lists of discovery. Fast DDS trusts what it is sent in places, and one malformed
 /// datagram would end the program: pass it only datagrams that are well formed. The submessage that
 /// Fast DDS puts behind each of its messages (statistics) is taken there only: the library asserts
-/// its size and place.
+/// its size and place. What DDS Security encrypts is not looked into: only who has the keys can
+/// have sent it.
 expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
                                       const RtpsLimits& limits = {});
 

@@ -150,4 +150,11 @@ bool is_parameter_list(RtpsBytes list, bool is_little_endian, ParameterSender se
   return false;
 }
 
+bool is_handshake_message(RtpsBytes message, bool is_little_endian) {
+  constexpr std::size_t kIdentities = 96;  // of message, related one, destination, source
+  if (message.size() < kIdentities) return false;
+  Content content(message.subspan(kIdentities), is_little_endian);
+  return content.string() && content.sequence([&] { return content.token(); });
+}
+
 }  // namespace fleetloc

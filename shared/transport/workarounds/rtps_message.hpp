@@ -23,6 +23,7 @@ inline constexpr std::size_t kRtpsHeaderBytes = 20;
 inline constexpr std::size_t kEntitiesBytes = 8;               // reader and writer
 inline constexpr std::size_t kGuidPrefixAt = 8;                // in the header
 inline constexpr std::uint32_t kParticipantWriter = 0x0100c2;  // built-in, of announcements
+inline constexpr std::uint32_t kHandshakeWriter = 0x0201c3;    // built-in, of DDS Security
 
 /// @param message  at least its header
 inline GuidPrefix sender_of(RtpsBytes message) {
@@ -43,6 +44,11 @@ enum class RtpsKind : std::uint8_t {
   kHeartbeatFrag = 0x13,
   kData = 0x15,
   kDataFrag = 0x16,
+  kSecBody = 0x30,  ///< these five: DDS Security 1.1, chapter 7.3.6
+  kSecPrefix = 0x31,
+  kSecPostfix = 0x32,
+  kSrtpsPrefix = 0x33,
+  kSrtpsPostfix = 0x34,
   kStatistics = 0x80,  ///< of Fast DDS, behind every message
 };
 

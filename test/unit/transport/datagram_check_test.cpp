@@ -167,5 +167,99 @@ TEST(RtpsCheck, ReadsNoByteBeyondTheDatagram) {  // under AddressSanitizer
   EXPECT_LT(taken, 19'000);
 }
 
+TEST(RtpsCheck, TakesSubmessagesThatAreEncryptedOrSigned) {
+  const Bytes destination = submessage(0x0e, 1, Bytes(12));
+  const Bytes statistics = submessage(0x80, 1, Bytes(56));
+  EXPECT_TRUE(check_rtps(message_of(encrypted_submessage())));
+  EXPECT_TRUE(check_rtps(message_of({secure_prefix(3), heartbeat(1, 2), secure_postfix(0, 0)})));
+  EXPECT_TRUE(check_rtps(message_of({destination,
+                                     secure_prefix(2),
+                                     secure_body(8, 8),
+                                     secure_postfix(2, 2),
+                                     heartbeat(1, 2),
+                                     secure_prefix(4),
+                                     secure_body(8, 8),
+                                     secure_postfix(0, 0),
+                                     statistics})));
+}
+
+TEST(RtpsCheck, TakesMessagesThatAreEncryptedOrSigned) {
+  const Bytes statistics = submessage(0x80, 1, Bytes(56));
+  const Bytes end = secure_postfix(1, 1, 0x34);
+  EXPECT_TRUE(check_rtps(message_of({secure_prefix(4, 0x33), secure_body(60, 60), end})));
+  EXPECT_TRUE(
+      check_rtps(message_of({secure_prefix(4, 0x33), secure_body(60, 60), end, statistics})));
+  EXPECT_TRUE(check_rtps(message_of(
+      {secure_prefix(3, 0x33), submessage(0x0c, 1, Bytes(20)), heartbeat(1, 2), gap(1, 3), end})));
+}
+
+TEST(RtpsCheck, RefusesAnEncryptedBodyThatSaysItIsLongerThanItIs) {
+  EXPECT_EQ(defect_of(message_of({secure_prefix(4), secure_body(41, 40), secure_postfix(0, 0)})),
+            "protection");
+  EXPECT_EQ(
+      defect_of(message_of({secure_prefix(4), secure_body(0x7fffffff, 40), secure_postfix(0, 0)})),
+      "protection");
+  EXPECT_EQ(defect_of(message_of(
+                {secure_prefix(4), submessage(0x30, 1, Bytes(3)), secure_postfix(0, 0)})),
+            "protection");
+}
+
+TEST(RtpsCheck, RefusesProtectionInAnotherOrderThanThatOfDdsSecurity) {
+  const Bytes begin = secure_prefix(4);
+  const Bytes body = secure_body(8, 8);
+  const Bytes end = secure_postfix(0, 0);
+  const Bytes signed_begin = secure_prefix(3);
+  const Bytes plain = heartbeat(1, 2);
+  const Bytes begin_all = secure_prefix(4, 0x33);
+  const Bytes end_all = secure_postfix(0, 0, 0x34);
+  const std::vector<std::vector<Bytes>> wrong{
+      {begin},
+      {begin, body},
+      {body, end},
+      {body},
+      {end},
+      {begin, end},
+      {begin, end, body},
+      {begin, plain, end},        // it says that it is encrypted: the library reads a length there
+      {signed_begin, body, end},  // and here that it is not
+      {begin, body, body, end},
+      {begin, begin, body, end},
+      {begin, body, plain, end},
+      {signed_begin, end},
+      {signed_begin, plain, plain, end},
+      {begin, body, end_all},
+      {begin_all, body, end},
+      {begin_all, body},
+      {begin_all, body, plain, end_all},
+      {plain, begin_all, body, end_all},
+      {begin_all, body, end_all, plain},
+      {begin_all, body, end_all, end_all},
+      {begin_all, begin, body, end, end_all},
+      {secure_prefix(0), plain, end},
+      {secure_prefix(5), plain, end},
+      {secure_prefix(6), body, end},
+      {submessage(0x31, 1, Bytes{0, 0, 0, 3}), plain, end},
+      {begin, body, secure_postfix(1, 0)},
+      {begin, body, secure_postfix(0, 1)},
+      {begin, body, submessage(0x32, 1, Bytes(16))}};
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    EXPECT_EQ(defect_of(message_of(wrong[i])), "protection") << "number " << i;
+  }
+}
+
+TEST(RtpsCheck, LooksIntoWhatIsOnlySigned) {
+  const Bytes broken = heartbeat(0, 2);
+  EXPECT_EQ(defect_of(message_of({secure_prefix(3), broken, secure_postfix(0, 0)})),
+            "invalid_submessage");
+}
+
+// Strangers may send these: an authentication begins with one.
+TEST(RtpsCheck, RefusesAHandshakeThatSaysItHasMoreThanItHas) {
+  EXPECT_TRUE(check_rtps(message_of({handshake(1)})));
+  EXPECT_EQ(defect_of(message_of({handshake(2)})), "invalid_submessage");
+  EXPECT_EQ(defect_of(message_of({handshake(0x02000000)})), "invalid_submessage");
+  EXPECT_EQ(defect_of(message_of({data_frag(1, 3000, 0x0201c3)})), "invalid_submessage");
+}
+
 }  // namespace
 }  // namespace fleetloc

@@ -64,5 +64,15 @@ TEST_F(GapBudgetTest, IsNotReturnedToOneWriterByManyOthers) {
   EXPECT_FALSE(passes(5, kMillion));
 }
 
+TEST_F(GapBudgetTest, CountsWhatIsSignedAndPassesWhatIsEncrypted) {
+  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(passes(message_of(encrypted_submessage(), kWriter)));
+  const auto in_signed = [](std::uint64_t first) {
+    return message_of({secure_prefix(3), gap(first, first + kMillion), secure_postfix(0, 0)},
+                      kWriter);
+  };
+  EXPECT_TRUE(passes(in_signed(5)));
+  EXPECT_FALSE(passes(in_signed(5 + 2 * kMillion)));
+}
+
 }  // namespace
 }  // namespace fleetloc

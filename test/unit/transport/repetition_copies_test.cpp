@@ -7,6 +7,8 @@
 
 #include <gmock/gmock.h>
 
+#include "test/transport/rtps_messages.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -141,6 +143,17 @@ TEST_F(RepetitionCopiesTest, WaitsLongerWhereSamplesAreRepeated) {
     EXPECT_EQ(repetition_.copies(sample, kHere, 100, now_), 1) << i;
   }
   EXPECT_GT(repetition_.copies(sample, kHere, 100, now_), 1);
+}
+
+// Each is encrypted anew: nobody can tell what is said again.
+TEST(RepeatedDatagramTest, IsNothingThatIsEncrypted) {
+  const Bytes destination = submessage(0x0e, 1, Bytes(12));
+  auto submessages = encrypted_submessage();
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages)));
+  submessages.insert(submessages.begin(), destination);
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages)));
+  submessages.push_back(heartbeat(1, 2));
+  EXPECT_FALSE(RepeatedDatagram::read(message_of(submessages))) << "beside what can be told";
 }
 
 }  // namespace
