@@ -84,7 +84,7 @@ std::string entry_of(const X509_NAME* subject, int id) {
   return size < 0 ? "" : std::string(text.data(), static_cast<std::size_t>(size));
 }
 
-const char* name_of(FleetRole role) {
+const char* role_name(FleetRole role) {
   for (const auto& [known, name] : kRoles) {
     if (known == role) return name;
   }
@@ -141,7 +141,7 @@ FleetKeys::FleetKeys(std::filesystem::path folder)
 void FleetKeys::require(FleetRole role, const std::string& name) const {
   if (role == role_ && name == name_) return;
   refuse(folder_ / kCertificate,
-         std::string("is of ") + name_of(role_) + " '" + name_ + "', not of " + name_of(role) +
+         std::string("is of ") + role_name(role_) + " '" + name_ + "', not of " + role_name(role) +
              " '" + name + "'");
 }
 
@@ -167,7 +167,7 @@ void FleetKeys::add_to(eprosima::fastrtps::rtps::PropertyPolicy& properties) con
 FleetKeys::GuidBegin FleetKeys::guid_begin(FleetRole role, const std::string& name) const {
   const Subject subject(X509_NAME_new());
   add_entry(subject.get(), "O", fleet_);
-  add_entry(subject.get(), "OU", name_of(role));
+  add_entry(subject.get(), "OU", role_name(role));
   add_entry(subject.get(), "CN", name);
   std::array<std::uint8_t, EVP_MAX_MD_SIZE> hash{};
   unsigned int size = 0;
