@@ -256,14 +256,16 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
     if (!fit.is_solved) break;
     fit.T_map_body = problem_.pose(newest);
     fit.moved_m = distance(before, fit.T_map_body);
-    if (round > 0 && gate_m <= rounds.final_gate_m) {
+    if ((round > 0 || !config_.shift_profile.is_used) && gate_m <= rounds.final_gate_m) {
       visited.push_back(before);
       const auto is_here = [&](const Pose& place) {
         return distance(place, fit.T_map_body) < until.settled_m;
       };
       if (std::ranges::any_of(visited, is_here)) break;
     }
-    if (round == 0) shift_profile_ = shift_profile(fit.association.matches);
+    if (round == 0 && config_.shift_profile.is_used) {
+      shift_profile_ = shift_profile(fit.association.matches);
+    }
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
   if (!fit.is_solved) return fit;

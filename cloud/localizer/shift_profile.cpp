@@ -151,7 +151,8 @@ void ShiftProfile::widen(std::vector<MapMatch>& matches) const {
 }
 
 ShiftProfileConfig read_shift_profile_config(ConfigReader section) {
-  return {.step_m = section.positive("step_m"),
+  return {.is_used = section.get<bool>("is_used"),
+          .step_m = section.positive("step_m"),
           .steps = section.integer("steps", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000)};
 }

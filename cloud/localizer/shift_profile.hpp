@@ -12,6 +12,7 @@
 namespace fleetloc {
 
 struct ShiftProfileConfig {
+  bool is_used;       ///< by a session
   double step_m;      ///< between the shifts that are tried
   int steps;          ///< to either side, along each of two axes
   int max_landmarks;  ///< evenly sampled; further ones repeat the errors of these

@@ -332,6 +332,8 @@ std::shared_ptr<const LaserMap> map_with_other_end_walls(std::uint64_t seed) {
 // is 180.
 TEST(SessionLocalizer, IsLessSureOfAPlaceThatFitsByChance) {
   constexpr int kSeeds = 10;
+  SessionLocalizer::Config config = localizer_config();
+  config.shift_profile.is_used = true;
   double sum = 0.0;
   double worst = 0.0;
   int count = 0;
@@ -340,7 +342,7 @@ TEST(SessionLocalizer, IsLessSureOfAPlaceThatFitsByChance) {
         {.seed = seed, .features_per_keyframe = 200, .is_wanted = [](const Eigen::Vector3d& p_map) {
            return is_corridor(p_map) || is_end_wall(p_map);
          }});
-    SessionLocalizer localizer(robot.session(), map_with_other_end_walls(seed), localizer_config());
+    SessionLocalizer localizer(robot.session(), map_with_other_end_walls(seed), config);
     for (int i = 0; i < 60; ++i) {
       localizer.add(robot.submap(i));
       if (i < 40 || i % 3 != 0) continue;
