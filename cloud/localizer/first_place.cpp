@@ -10,16 +10,17 @@
 
 namespace fleetloc {
 
-FirstPlace::FirstPlace(std::shared_ptr<const MapPyramid> pyramid,
+FirstPlace::FirstPlace(const LaserMap& map,
+                       std::shared_ptr<const MapPyramid> pyramid,
                        const RigidAlignment& alignment,
                        const RigidAlignment::Gates& gates,
                        const Config& config,
                        const std::optional<Region>& region)
     : pyramid_(std::move(pyramid)),
-      alignment_(alignment),
-      gates_(gates),
       config_(config),
-      region_(region) {}
+      region_(region),
+      hypotheses_(
+          alignment, gates, FreeSpace(map, *pyramid_, config.free_space), config.hypotheses) {}
 
 std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& start,
                                                         const Config& config) {
@@ -32,14 +33,28 @@ std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& s
 }
 
 bool FirstPlace::is_due(double way_m, double travelled_m) const {
-  if (is_running() || way_m < config_.min_way_m) return false;
-  return !begun_at_m_ || travelled_m - *begun_at_m_ >= config_.next_way_m;
+  if (is_running_ || way_m < config_.min_way_m) return false;
+  return is_search_due(travelled_m) ||
+         (is_ambiguous() && travelled_m - followed_at_m_ >= config_.follow_way_m);
+}
+
+bool FirstPlace::is_search_due(double travelled_m) const {
+  if (!searched_at_m_) return true;
+  const double way_m = is_ambiguous() ? config_.ambiguous_way_m : config_.next_way_m;
+  return travelled_m - *searched_at_m_ >= way_m;
 }
 
 void FirstPlace::begin(View view, double travelled_m) {
-  view_ = std::move(view);
+  hypotheses_.see(std::move(view));
+  followed_at_m_ = travelled_m;
+  is_whole_ = is_search_due(travelled_m);
+  if (is_whole_) begin_search(travelled_m);
+  is_running_ = !is_whole_ || search_;
+}
+
+void FirstPlace::begin_search(double travelled_m) {
   std::vector<SeenLandmark> seen;
-  for (const WindowLandmark& landmark : view_.landmarks) {
+  for (const WindowLandmark& landmark : hypotheses_.view().landmarks) {
     if (max_sigma(landmark.covariance) > config_.max_sigma_m) continue;
     seen.push_back({.p = landmark.p_map, .viewpoint = landmark.viewpoint_map});
   }
@@ -47,15 +62,26 @@ void FirstPlace::begin(View view, double travelled_m) {
   if (standing.size() < static_cast<std::size_t>(config_.min_landmarks)) return;
   SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
   if (region_) restrict_to_region(standing, region);
-  begun_at_m_ = travelled_m;
-  refined_.clear();
+  searched_at_m_ = travelled_m;
   search_.emplace(*pyramid_,
                   standing,
                   region,
                   PlaceSearch::Config{.max_places = config_.max_places + 1,
                                       .min_share = config_.min_share,
-                                      .same_m = config_.same_m,
-                                      .same_rad = config_.same_rad});
+                                      .same_m = config_.hypotheses.same_m,
+                                      .same_rad = config_.hypotheses.same_rad});
+}
+
+void FirstPlace::begin_anew() {
+  stop();
+  searched_at_m_.reset();
+}
+
+void FirstPlace::stop() {
+  is_running_ = false;
+  search_.reset();
+  hypotheses_.clear();
+  ambiguous_.clear();
 }
 
 // A robot whose camera is at a known height drives on the ground; any other may be at any height.
@@ -68,7 +94,7 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
     const double ground_m = camera_height_m ? landmark.viewpoint.z() - *camera_height_m : 0.0;
     landmark.p.z() -= ground_m;
     mean_m += landmark.p.z() / static_cast<double>(landmarks.size());
-    const double from_body_m = (landmark.viewpoint - view_.T_odom_body.p).norm();
+    const double from_body_m = (landmark.viewpoint - hypotheses_.view().T_odom_body.p).norm();
     if (from_body_m < nearest_m) view_ground_m_ = ground_m;
     nearest_m = std::min(nearest_m, from_body_m);
   }
@@ -96,91 +122,68 @@ void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
 }
 
 std::optional<Pose> FirstPlace::advance() {
-  if (!search_) return std::nullopt;
-  if (!search_->advance(static_cast<std::size_t>(config_.turn_evaluations))) {
-    const auto limit = static_cast<std::size_t>(config_.max_evaluations);
-    if (search_->evaluations() > limit) give_up();
+  if (!is_running_) return std::nullopt;
+  if (search_) {
+    search();
     return std::nullopt;
   }
-  const std::vector<FoundPlace>& places = search_->places();
-  if (places.size() > static_cast<std::size_t>(config_.max_places)) {
-    give_up();
-    return std::nullopt;
-  }
-  if (refined_.size() < places.size()) {
-    refine(places[refined_.size()]);
-    return std::nullopt;
-  }
-  search_.reset();
+  if (hypotheses_.align_next()) return std::nullopt;
   return decide();
+}
+
+void FirstPlace::search() {
+  const bool has_ended = search_->advance(static_cast<std::size_t>(config_.turn_evaluations));
+  const std::vector<FoundPlace>& places = search_->places();
+  const bool is_too_long =
+      search_->evaluations() > static_cast<std::size_t>(config_.max_evaluations);
+  const bool are_too_many = places.size() > static_cast<std::size_t>(config_.max_places);
+  if (has_ended ? are_too_many : is_too_long) return give_up();
+  if (!has_ended) return;
+  for (const FoundPlace& place : places) hypotheses_.add(in_map(place));
+  search_.reset();
 }
 
 // What fits too many places is looked for again when more has been seen.
 void FirstPlace::give_up() {
   places_left_ = search_->places().size();
-  search_.reset();
-}
-
-void FirstPlace::refine(const FoundPlace& place) {
-  const Pose T_map_odom = in_map(place);
-  const Pose T_map_body = T_map_odom * view_.T_odom_body;
-  const PoseWithCovariance prior{T_map_body, prior_covariance(T_map_body)};
-  const auto aligned = alignment_.align(moved(view_.landmarks, T_map_odom), prior, gates_);
-  refined_.push_back({.T_map_odom = aligned.T_new_old * T_map_odom,
-                      .T_map_body = aligned.T_new_old * T_map_body,
-                      .score = aligned.score});
+  stop();
 }
 
 // From the height above the ground to that in the map: of the ground where the robot is.
 Pose FirstPlace::in_map(const FoundPlace& place) const {
   Pose T_map_odom = place.T_map_seen;
-  const Eigen::Vector3d p_map = T_map_odom * view_.T_odom_body.p;
+  const Eigen::Vector3d p_map = T_map_odom * hypotheses_.view().T_odom_body.p;
   T_map_odom.p.z() += pyramid_->ground().at(p_map.x(), p_map.y()) - view_ground_m_;
   return T_map_odom;
 }
 
-// The vertical is known, the place to a cell of the pyramid.
-Matrix6d FirstPlace::prior_covariance(const Pose& T_map_body) const {
-  Vector6d sigmas_map;
-  sigmas_map << config_.prior_tilt_rad, config_.prior_tilt_rad, config_.prior_sigma_rad,
-      Eigen::Vector3d::Constant(config_.prior_sigma_m);
-  const Matrix6d A = adjoint(inverse(Pose{T_map_body.R, Eigen::Vector3d::Zero()}));
-  return A * sigmas_map.cwiseAbs2().asDiagonal() * A.transpose();
-}
-
+// Places that are followed are not all there are: only a search tells that none but one is left.
 std::optional<Pose> FirstPlace::decide() {
-  if (refined_.empty()) return std::nullopt;
-  std::ranges::sort(refined_, {}, &Refined::score);
-  const Refined& best = refined_.front();
-  places_left_ = 1;
-  for (const Refined& other : refined_) {
-    const Vector6d beside = local_coordinates(best.T_map_body, other.T_map_body);
-    const bool is_same =
-        beside.head<3>().norm() < config_.same_rad && beside.tail<3>().norm() < config_.same_m;
-    const double log_odds = (other.score - best.score) / alignment_.rival_score();
-    if (!is_same && log_odds < config_.min_log_odds) ++places_left_;
-  }
-  if (places_left_ > 1) return std::nullopt;
-  return best.T_map_odom;
+  is_running_ = false;
+  hypotheses_.keep_likely();
+  ambiguous_ = hypotheses_.places();
+  places_left_ = ambiguous_.size();
+  if (places_left_ != 1) return std::nullopt;
+  if (is_whole_) return ambiguous_.front().T_map_odom;
+  searched_at_m_.reset();
+  return std::nullopt;
 }
 
 FirstPlace::Config read_first_place_config(ConfigReader section) {
   return {.ground = read_ground_config(section.section("ground")),
+          .free_space = read_free_space_config(section.section("free_space")),
+          .hypotheses = read_place_hypotheses_config(section.section("hypotheses")),
           .max_places = section.integer("max_places", 1, 1000),
           .min_share = section.number("min_share", 0.0, 1.0),
-          .same_m = section.positive("same_m"),
-          .same_rad = section.positive("same_rad"),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
           .min_landmarks = section.integer("min_landmarks", 3, 10000),
           .max_sigma_m = section.positive("max_sigma_m"),
           .min_way_m = section.positive("min_way_m"),
           .next_way_m = section.positive("next_way_m"),
+          .ambiguous_way_m = section.positive("ambiguous_way_m"),
+          .follow_way_m = section.positive("follow_way_m"),
           .turn_evaluations = section.integer("turn_evaluations", 1, 1'000'000'000),
           .max_evaluations = section.integer("max_evaluations", 1, 2'000'000'000),
-          .prior_sigma_m = section.positive("prior_sigma_m"),
-          .prior_sigma_rad = section.positive("prior_sigma_rad"),
-          .prior_tilt_rad = section.positive("prior_tilt_rad"),
-          .min_log_odds = section.positive("min_log_odds"),
           .known_m = section.positive("known_m"),
           .known_rad = section.positive("known_rad")};
 }

@@ -8,6 +8,8 @@ std::string_view name(Rejection rejection) {
   switch (rejection) {
     case kSearching:
       return "searching";
+    case kAmbiguous:
+      return "ambiguous";
     case kTooFewKeyframes:
       return "too_few_keyframes";
     case kNotCovered:
@@ -53,6 +55,7 @@ PlaceEvidence evidence_of(Rejection rejection) {
     case kUnconfirmed:
       return PlaceEvidence::kFor;
     case kSearching:
+    case kAmbiguous:
     case kTooFewKeyframes:
     case kNotCovered:
     case kNotSolved:
@@ -66,6 +69,8 @@ LocalizationStatus status_of(Rejection rejection) {
   switch (rejection) {
     case kSearching:
       return LocalizationStatus::kSearching;
+    case kAmbiguous:
+      return LocalizationStatus::kAmbiguous;
     case kTooFewKeyframes:
       return LocalizationStatus::kTooFewKeyframes;
     case kNotCovered:

@@ -9,6 +9,7 @@ namespace fleetloc {
 /// Why a window is not localized, in the order in which it is asked.
 enum class Rejection {
   kSearching,        ///< the session has no start pose, and was not found in the map yet
+  kAmbiguous,        ///< the same, and it may be at several places
   kTooFewKeyframes,  ///< connected to the newest one
   kNotCovered,       ///< too few landmarks have map around them
   kTooFewMatches,

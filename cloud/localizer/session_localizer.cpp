@@ -46,7 +46,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
   if (session.start) region = FirstPlace::region_of(*session.start, config_.first_place);
   if (region) dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
   const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
-  first_place_.emplace(std::move(pyramid), alignment_, gates, config_.first_place, region);
+  first_place_.emplace(*map_, std::move(pyramid), alignment_, gates, config_.first_place, region);
 }
 
 void SessionLocalizer::add(const Submap& submap) {
@@ -73,7 +73,7 @@ LocalizationResult SessionLocalizer::localize() {
   if (!has_news && diagnostics_.rejection) return rejected(*diagnostics_.rejection, diagnostics_);
   const std::vector<KeyframeId> window = database_.window();
   const auto ready = acceptance_.check_window(dead_reckoning_.has_anchor(), window.size());
-  if (!ready) return rejected(ready.error(), diagnostics_of(window));
+  if (!ready) return rejected(not_ready(ready.error()), diagnostics_of(window));
 
   synchronize(window);
   const Prediction prediction = predict(window);
@@ -103,6 +103,12 @@ bool SessionLocalizer::search() {
   const auto T_map_odom = first_place_->advance();
   if (T_map_odom) start_at(*T_map_odom);
   return T_map_odom.has_value();
+}
+
+// Of a session that is searched for it is known whether places are left.
+Rejection SessionLocalizer::not_ready(Rejection reason) const {
+  const bool is_ambiguous = first_place_ && first_place_->is_ambiguous();
+  return reason == Rejection::kSearching && is_ambiguous ? Rejection::kAmbiguous : reason;
 }
 
 // What the robot has sent since the session was localized last: what came before has its place.
@@ -141,6 +147,11 @@ void SessionLocalizer::start_at(const Pose& T_map_odom) {
                              .covariance = A * covariance * A.transpose(),
                              .p_odom = newest.T_odom_body.p});
   found_at_m_ = dead_reckoning_.travelled_m(newest.id);
+}
+
+std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
+  const bool is_ambiguous = first_place_ && first_place_->is_ambiguous();
+  return is_ambiguous ? first_place_->ambiguous() : std::vector<PlaceHypotheses::Place>{};
 }
 
 void SessionLocalizer::give_up_found_start() {

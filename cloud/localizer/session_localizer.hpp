@@ -122,6 +122,9 @@ class SessionLocalizer {
   [[nodiscard]] std::size_t places_left() const {
     return first_place_ ? first_place_->places_left() : 0;
   }
+  /// Where the robot may be, the likeliest first; empty unless what it has seen fits several
+  /// places, all of which are known.
+  [[nodiscard]] std::vector<PlaceHypotheses::Place> possible_places() const;
 
   /// What the map has added to the robot's own estimate of its latest keyframes. Nothing unless
   /// localize() has just localized, or if the map added nothing, or if the robot will have gone on
@@ -150,6 +153,7 @@ class SessionLocalizer {
   };
 
   bool search();
+  [[nodiscard]] Rejection not_ready(Rejection reason) const;
   [[nodiscard]] SessionDatabase unexplained() const;
   void begin_search(double travelled_m);
   void start_at(const Pose& T_map_odom);

@@ -28,6 +28,7 @@ static_assert(static_cast<int>(LocalizationStatus::kPoorFit) == wire::POOR_FIT);
 static_assert(static_cast<int>(LocalizationStatus::kDegenerate) == wire::DEGENERATE);
 static_assert(static_cast<int>(LocalizationStatus::kUnconfirmed) == wire::UNCONFIRMED);
 static_assert(static_cast<int>(LocalizationStatus::kLost) == wire::LOST);
+static_assert(static_cast<int>(LocalizationStatus::kAmbiguous) == wire::AMBIGUOUS);
 
 constexpr std::size_t kMaxAnswerBlock = 1000;
 constexpr std::uint32_t kLongest_ms = 3'600'000;
@@ -43,7 +44,7 @@ Eigen::Vector4d rotation_of(const wire::LocalizationResult& sample) {
 }
 
 Validity check_answer_sample(const wire::LocalizationResult& sample) {
-  if (sample.status() > wire::LOST) return unexpected(Malformed::kUnknownValue);
+  if (sample.status() > wire::AMBIGUOUS) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.stamp_ns()); !valid) return valid;
   if (sample.window_ms() > kLongest_ms || sample.holding_time_ms() > kLongest_ms) {
     return unexpected(Malformed::kOutOfRange);

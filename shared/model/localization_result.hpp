@@ -22,7 +22,8 @@ enum class LocalizationStatus {
   kPoorFit,          ///< the residuals of the matches are too large
   kDegenerate,       ///< the map does not constrain the pose well enough to be sent
   kUnconfirmed,      ///< the first pose is not confirmed yet; the robot must drive on
-  kLost,  ///< the session's place does not explain what is seen: another one is looked for
+  kLost,       ///< the session's place does not explain what is seen: another one is looked for
+  kAmbiguous,  ///< as kSearching, and what is seen fits several places alike: it must drive on
 };
 
 /// Name in logs and summaries, e.g. "too_few_matches".

@@ -27,6 +27,8 @@ std::string_view name(LocalizationStatus status) {
       return "unconfirmed";
     case LocalizationStatus::kLost:
       return "lost";
+    case LocalizationStatus::kAmbiguous:
+      return "ambiguous";
   }
   return "unknown";
 }
