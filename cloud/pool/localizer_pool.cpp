@@ -12,6 +12,12 @@ namespace {
 
 constexpr double kCleanUpSeconds = 1.0;
 
+std::vector<Eigen::Vector3d> possible_places_of(const SessionLocalizer& session) {
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& place : session.possible_places()) places.push_back(place.T_map_body.p);
+  return places;
+}
+
 void note(const LocalizerPool::Job& job,
           const LocalizationResult& answer,
           double optimize_ms,
@@ -210,6 +216,8 @@ void LocalizerPool::finish(const Job& job,
   if (!job.error.empty()) report.refuse(PoolRefusal::kError);
   report.memory_bytes = job.session->memory_bytes();
   report.places_left = job.session->places_left();
+  report.possible_places = possible_places_of(*job.session);
+  served_.searched(job.robot, report.possible_places);
   // A turn of a search that has found nothing has nothing new to say.
   const bool is_silent =
       job.submaps.empty() && job.error.empty() && answer.status != LocalizationStatus::kLocalized;

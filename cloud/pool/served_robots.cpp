@@ -58,6 +58,13 @@ void ServedRobots::answered(const RobotId& robot, const LocalizationResult& answ
   found->second.known.covariance = answer.covariance;
 }
 
+void ServedRobots::searched(const RobotId& robot, std::vector<Eigen::Vector3d> possible_places) {
+  const auto found = robots_.find(robot);
+  if (found == robots_.end()) return;
+  if (possible_places.size() > kMaxPossiblePlaces) possible_places.resize(kMaxPossiblePlaces);
+  found->second.known.possible_places = std::move(possible_places);
+}
+
 std::vector<ServedRobot> ServedRobots::all(Timestamp now) const {
   std::vector<ServedRobot> result;
   for (const auto& [id, robot] : robots_) {

@@ -38,6 +38,8 @@ class ServedRobots {
   void sent(const RobotId& robot, std::size_t payload_bytes, Timestamp now);
   void told(const RobotStatus& status);
   void answered(const RobotId& robot, const LocalizationResult& answer);
+  /// Where it may be, the likeliest place first; empty where that is not the question.
+  void searched(const RobotId& robot, std::vector<Eigen::Vector3d> possible_places);
 
   [[nodiscard]] std::vector<ServedRobot> all(Timestamp now) const;
 

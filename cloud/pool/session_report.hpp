@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "cloud/pool/pool_refusal.hpp"
 #include "shared/model/robot_status.hpp"
 
@@ -44,6 +46,7 @@ struct SessionReport {
   RecentValues matches;                           ///< with the map, of each localization
   std::size_t memory_bytes = 0;                   ///< after the latest localization
   std::size_t places_left = 0;                    ///< of the latest search for a first place
+  std::vector<Eigen::Vector3d> possible_places;   ///< see ServedRobot
   std::string last_error;                         ///< what the latest exception said
   std::optional<RobotStatus> status;              ///< the latest
 

@@ -25,6 +25,12 @@ nlohmann::json to_json(const std::optional<RobotStatus>& status) {
                               : nlohmann::json(nullptr)}};
 }
 
+nlohmann::json to_json(const std::vector<Eigen::Vector3d>& places) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const Eigen::Vector3d& p : places) json.push_back({p.x(), p.y(), p.z()});
+  return json;
+}
+
 nlohmann::json to_json(const SessionReport& report) {
   return {{"sessions", report.sessions},
           {"submaps", report.submaps},
@@ -37,6 +43,7 @@ nlohmann::json to_json(const SessionReport& report) {
           {"matches", {{"p50", percentile_json(report.matches, 0.5)}}},
           {"memory_bytes", report.memory_bytes},
           {"places_left", report.places_left},
+          {"possible_places", to_json(report.possible_places)},
           {"last_error", report.last_error},
           {"status", to_json(report.status)}};
 }

@@ -45,6 +45,13 @@ std::string state_of(const LocalizerStatus& localizer) {
   return localizer.accepting ? "accepting" : "full";
 }
 
+// With how many places it may be at, if there are several.
+std::string state_of(const ServedRobot& robot) {
+  const std::string state(name(robot.quality));
+  if (robot.possible_places.empty()) return state;
+  return state + ", " + std::to_string(robot.possible_places.size()) + " places";
+}
+
 Json json_of(const ServedRobot& robot) {
   Json json{{"name", robot.robot},
             {"localizer", robot.localizer},
@@ -53,7 +60,11 @@ Json json_of(const ServedRobot& robot) {
             {"up_bytes_per_s", std::lround(robot.up_bytes_per_s)},
             {"down_bytes_per_s", std::lround(robot.down_bytes_per_s)},
             {"silent_s", to_seconds(robot.silent)},
-            {"round_trip_s", nullptr}};
+            {"round_trip_s", nullptr},
+            {"possible_places", Json::array()}};
+  for (const Eigen::Vector3d& p : robot.possible_places) {
+    json["possible_places"].push_back({p.x(), p.y(), p.z()});
+  }
   if (robot.round_trip) json["round_trip_s"] = to_seconds(*robot.round_trip);
   if (!robot.T_map_body) return json;
   const Eigen::Vector3d& p = robot.T_map_body->p;
@@ -104,7 +115,7 @@ FleetView view_of(const ServedFleet& fleet) {
   FleetView view;
   for (const ServedRobot& robot : fleet.robots()) {
     RobotView one{.name = robot.robot,
-                  .state = std::string(name(robot.quality)),
+                  .state = state_of(robot),
                   .uplink_kb_s = 1e-3 * robot.up_bytes_per_s,
                   .downlink_kb_s = 1e-3 * robot.down_bytes_per_s};
     if (robot.T_map_body) one.sigma_m = sigma_m(robot);

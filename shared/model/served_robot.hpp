@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "shared/core/ids.hpp"
 #include "shared/core/time.hpp"
@@ -9,6 +11,8 @@
 #include "shared/model/pose_estimate.hpp"
 
 namespace fleetloc {
+
+inline constexpr std::size_t kMaxPossiblePlaces = 16;
 
 /// A robot as one localizer knows it, for those who watch the fleet.
 struct ServedRobot {
@@ -22,6 +26,9 @@ struct ServedRobot {
   double down_bytes_per_s = 0.0;
   Duration silent{};  ///< since its last message
   std::optional<Duration> round_trip = {};
+  /// Of the body in the map [m], the likeliest first; empty unless what it has seen fits several
+  /// places. At most kMaxPossiblePlaces.
+  std::vector<Eigen::Vector3d> possible_places = {};
 };
 
 }  // namespace fleetloc

@@ -20,6 +20,12 @@ Validity check_served_robot_sample(const wire::ServedRobot& sample) {
     if (const Validity valid = check(static_cast<double>(rate), 0.0, kMaxRate); !valid)
       return valid;
   }
+  if (sample.possible_places().size() > kMaxPossiblePlaces) {
+    return unexpected(Malformed::kOutOfRange);
+  }
+  for (const wire::Vector3& place : sample.possible_places()) {
+    if (const Validity valid = check(place); !valid) return valid;
+  }
   return check(static_cast<double>(sample.silent_s()), 0.0, kMaxSilence_s);
 }
 
@@ -40,6 +46,9 @@ Bytes encode(const ServedRobot& robot) {
   sample.down_bytes_per_s(static_cast<float>(robot.down_bytes_per_s));
   sample.silent_s(static_cast<float>(to_seconds(robot.silent)));
   sample.round_trip_ns(robot.round_trip.value_or(kNotMeasured).count());
+  for (const Eigen::Vector3d& p_map : robot.possible_places) {
+    sample.possible_places().push_back(to_wire(p_map));
+  }
   expect_encodable(check_served_robot_sample(sample), "served robot");
   return to_cdr(sample);
 }
@@ -57,8 +66,12 @@ Decoded<ServedRobot> decode_served_robot(std::span<const std::uint8_t> bytes) {
                     .up_bytes_per_s = static_cast<double>(sample.up_bytes_per_s()),
                     .down_bytes_per_s = static_cast<double>(sample.down_bytes_per_s()),
                     .silent = from_seconds(static_cast<double>(sample.silent_s())),
-                    .round_trip = std::nullopt};
+                    .round_trip = std::nullopt,
+                    .possible_places = {}};
   if (sample.localized()) robot.T_map_body = from_wire(sample.T_map_body());
+  for (const wire::Vector3& p_map : sample.possible_places()) {
+    robot.possible_places.push_back(from_wire(p_map));
+  }
   if (sample.round_trip_ns() >= 0) robot.round_trip = Duration{sample.round_trip_ns()};
   return robot;
 }

@@ -66,12 +66,19 @@ TEST(ServedFleet, IsATable) {
   const std::string text = table(view_of(fleet));
   EXPECT_THAT(text, HasSubstr("robot_1  -     localized  -      0.200 m  1.4 KB/s"));
   EXPECT_THAT(text, HasSubstr("localizer_1  full   1       50 %"));
+  ServedRobot searching{.localizer = "localizer_1",
+                        .robot = "robot_2",
+                        .quality = Quality::kSearching,
+                        .possible_places = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}}};
+  fleet.add(searching, ArrivalTime{1h});
+  EXPECT_THAT(table(view_of(fleet)), HasSubstr("searching, 2 places"));
 }
 
 TEST(ServedFleet, IsJsonForThePage) {
   ServedFleet fleet;
   fleet.add(robot_at(1.0), ArrivalTime{1h});
   ServedRobot lost{.localizer = "localizer_1", .robot = "robot_2", .quality = Quality::kLost};
+  lost.possible_places = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   fleet.add(lost, ArrivalTime{1h});
   fleet.add(LocalizerStatus{.localizer = "localizer_1", .sessions = 2, .load = 0.25},
             ArrivalTime{1h});
@@ -85,6 +92,7 @@ TEST(ServedFleet, IsJsonForThePage) {
   EXPECT_NEAR(std::sin(robot.at("ellipse").at(2).get<double>()), 0.0, 1e-9);
   EXPECT_EQ(robot.at("up_bytes_per_s"), 1400);
   EXPECT_TRUE(json.at("robots").at(1).at("position").is_null());
+  EXPECT_EQ(json.at("robots").at(1).at("possible_places").at(1), nlohmann::json({4.0, 5.0, 6.0}));
   EXPECT_EQ(json.at("localizers").at(0).at("load"), 0.25);
 }
 

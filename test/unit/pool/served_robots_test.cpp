@@ -36,6 +36,17 @@ TEST(ServedRobots, HaveThePoseOfTheirNewestAnswer) {
   EXPECT_TRUE(robots.all(at(2.0)).empty());
 }
 
+TEST(ServedRobots, MayBeAtSeveralPlaces) {
+  ServedRobots robots("localizer_1");
+  robots.open("robot_1", SessionNumber{3}, at(1.0));
+  robots.searched("robot_1", std::vector(20, Eigen::Vector3d(1.0, 2.0, 3.0)));
+  EXPECT_EQ(robots.all(at(1.0)).at(0).possible_places.size(), kMaxPossiblePlaces);
+  robots.searched("robot_1", {});
+  EXPECT_TRUE(robots.all(at(1.0)).at(0).possible_places.empty());
+  robots.searched("robot_2", {Eigen::Vector3d::Zero()});
+  EXPECT_EQ(robots.all(at(1.0)).size(), 1U) << "it has no session";
+}
+
 TEST(ServedRobots, HaveTheTrafficOfTheLatestSecondsOnTheWire) {
   ServedRobots robots("localizer_1");
   robots.open("robot_1", SessionNumber{3}, at(0.0));

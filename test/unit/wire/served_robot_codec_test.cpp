@@ -19,7 +19,8 @@ ServedRobot some_served_robot() {
           .up_bytes_per_s = 1400.0,
           .down_bytes_per_s = 1200.0,
           .silent = std::chrono::milliseconds(500),
-          .round_trip = std::chrono::milliseconds(1250)};
+          .round_trip = std::chrono::milliseconds(1250),
+          .possible_places = {{4.0, 5.0, -6.0}, {40.0, 50.0, 60.0}}};
 }
 
 TEST(ServedRobotCodec, RoundTripPreservesIt) {
@@ -36,6 +37,7 @@ TEST(ServedRobotCodec, RoundTripPreservesIt) {
   EXPECT_EQ(received.down_bytes_per_s, sent.down_bytes_per_s);
   EXPECT_EQ(received.silent, sent.silent);
   EXPECT_EQ(received.round_trip, sent.round_trip);
+  EXPECT_EQ(received.possible_places, sent.possible_places);
 }
 
 TEST(ServedRobotCodec, RoundTripPreservesWhatIsNotKnown) {
@@ -58,6 +60,8 @@ TEST(ServedRobotCodec, RefusesWithAReason) {
   expect(kNotFinite, [](auto& sample) { sample.up_bytes_per_s(kNaN); });
   expect(kOutOfRange, [](auto& sample) { sample.down_bytes_per_s(-1.0F); });
   expect(kOutOfRange, [](auto& sample) { sample.silent_s(-1.0F); });
+  expect(kNotFinite, [](auto& sample) { sample.possible_places()[1].y(kNaN); });
+  expect(kOutOfRange, [](auto& sample) { sample.possible_places().resize(17); });
   expect(kNotFinite, [](auto& sample) { sample.covariance().R()[3] = kNaN; });
   expect(kNotFinite, [](auto& sample) { sample.T_map_body().translation().x(kNaN); });
 }
