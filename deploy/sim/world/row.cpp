@@ -136,7 +136,7 @@ std::vector<RowItem> read_items(ConfigReader& row) {
 
 }  // namespace
 
-std::vector<PlacedItem> placed_items(const Row& row,
+std::vector<PlacedItem> placed_items(const ObjectRow& row,
                                      int place,
                                      float ground_m,
                                      std::uint64_t seed) {
@@ -170,17 +170,17 @@ std::vector<PlacedItem> placed_items(const Row& row,
   return items;
 }
 
-std::vector<Row> read_rows(ConfigReader rows) {
+std::vector<ObjectRow> read_rows(ConfigReader rows) {
   constexpr int kMostPlaces = 1000;
-  std::vector<Row> result;
+  std::vector<ObjectRow> result;
   for (const std::string& name : rows.keys_in_order()) {
     ConfigReader config = rows.section(name);
-    Row row{.name = name,
-            .first_map = numbers<2>(config, "first", -kFarthest_m),
-            .yaw_rad = yaw_rad(config),
-            .step_map = numbers<2>(config, "step_m", -kFarthest_m),
-            .count = config.integer("count", 1, kMostPlaces),
-            .items = read_items(config)};
+    ObjectRow row{.name = name,
+                  .first_map = numbers<2>(config, "first", -kFarthest_m),
+                  .yaw_rad = yaw_rad(config),
+                  .step_map = numbers<2>(config, "step_m", -kFarthest_m),
+                  .count = config.integer("count", 1, kMostPlaces),
+                  .items = read_items(config)};
     result.push_back(std::move(row));
   }
   return result;

@@ -35,7 +35,7 @@ struct RowItem {
 };
 
 /// The same things at equal distances. All copies are equal, to the vertex, but for rounding.
-struct Row {
+struct ObjectRow {
   std::string name;
   Eigen::Vector2f first_map = Eigen::Vector2f::Zero();  ///< the first place [m]
   float yaw_rad = 0.0F;                                 ///< of all places
@@ -55,10 +55,13 @@ struct PlacedItem {
 /// The items of one place of a row.
 /// @param ground_m  height of the ground in map
 /// @param seed      of the scene
-std::vector<PlacedItem> placed_items(const Row& row, int place, float ground_m, std::uint64_t seed);
+std::vector<PlacedItem> placed_items(const ObjectRow& row,
+                                     int place,
+                                     float ground_m,
+                                     std::uint64_t seed);
 
 /// A mapping from names to rows: `first`, `yaw_deg`, `step_m`, `count` and `items`, a list of
 /// {kind, at, yaw_deg, size_m, above_ground_m, variant}. Throws ConfigError.
-std::vector<Row> read_rows(ConfigReader rows);
+std::vector<ObjectRow> read_rows(ConfigReader rows);
 
 }  // namespace fleetloc

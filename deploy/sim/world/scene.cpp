@@ -146,7 +146,7 @@ void add_buildings(Site& site, Scene& scene) {
 }
 
 void add_rows(Site& site, Scene& scene) {
-  for (const Row& row : site.config().rows) {
+  for (const ObjectRow& row : site.config().rows) {
     for (int place = 0; place < row.count; ++place) {
       const Eigen::Vector2f p = row.first_map + static_cast<float>(place) * row.step_map;
       for (PlacedItem& item : placed_items(row, place, site.ground().height(p), site.seed())) {

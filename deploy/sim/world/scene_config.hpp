@@ -44,7 +44,7 @@ struct SceneConfig {
   Ground ground;
   Buildings buildings;
   Density per_100_m;
-  std::vector<Row> rows;
+  std::vector<ObjectRow> rows;
   std::vector<Area> rows_alone;  ///< where nothing is drawn at random
 };
 
