@@ -140,6 +140,15 @@ MapConfig read_map_config(ConfigReader section) {
           .threads = section.integer("threads", 1, 64)};
 }
 
+std::vector<Eigen::Vector3f> points_outside(std::vector<Eigen::Vector3f> points,
+                                            const MapArea& area) {
+  std::erase_if(points, [&area](const Eigen::Vector3f& point) {
+    const Eigen::Array2d p = point.head<2>().cast<double>().array();
+    return (p >= area.min.array()).all() && (p <= area.max.array()).all();
+  });
+  return points;
+}
+
 MapConfig at_resolution(MapConfig config, double resolution_m) {
   config.normal_radius_m *= resolution_m / config.resolution_m;
   config.resolution_m = resolution_m;

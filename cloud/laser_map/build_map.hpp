@@ -22,6 +22,16 @@ struct MapConfig {
 
 MapConfig read_map_config(ConfigReader section);
 
+/// A rectangle along the axes of the map's frame, of any height [m].
+struct MapArea {
+  Eigen::Vector2d min;
+  Eigen::Vector2d max;
+};
+
+/// The points that are not in it.
+std::vector<Eigen::Vector3f> points_outside(std::vector<Eigen::Vector3f> points,
+                                            const MapArea& area);
+
 /// The same for another resolution: the normal radius scales with it.
 MapConfig at_resolution(MapConfig config, double resolution_m);
 

@@ -27,6 +27,7 @@ struct BuildOptions {
   std::vector<std::string> datasets;
   std::string out;
   std::string frame = "map";
+  std::vector<double> without;  // x_min, y_min, x_max, y_max [m]
 };
 
 constexpr double kPlanar = 0.8;      // sigma across is at most a fifth of that along
@@ -51,9 +52,13 @@ void warn_if_sparse(const LaserMap& map, const MapConfig& config) {
       << config.normal_radius_m << ". Three times their distance is enough (--config)\n";
 }
 
-LaserMap map_of(const std::vector<Eigen::Vector3f>& points,
+LaserMap map_of(std::vector<Eigen::Vector3f> points,
                 const BuildOptions& options,
                 const MapConfig& config) {
+  if (const auto& area = options.without; !area.empty()) {
+    points =
+        points_outside(std::move(points), {.min = {area[0], area[1]}, .max = {area[2], area[3]}});
+  }
   ProgressLine line("normals");
   LaserMap map =
       build_map(points, options.frame, config, [&line](std::size_t done, std::size_t total) {
@@ -124,6 +129,10 @@ Program::Run prepare_build(const BuildOptions& options, const Program& program) 
   if (std::filesystem::path(options.out).extension() != ".pcd") {
     throw std::invalid_argument("--out: '" + options.out + "' does not end in .pcd");
   }
+  if (const auto& area = options.without;
+      !area.empty() && !(area[0] < area[2] && area[1] < area[3])) {
+    throw std::invalid_argument("--without: must be X_MIN Y_MIN X_MAX Y_MAX with room between");
+  }
   const MapConfig map = read_map_config(program.config().section("map"));
   if (!options.cloud.empty()) return prepare_build_of_cloud(options, map);
   return prepare_build_of_datasets(options, map, read_mapping_config(program.config()));
@@ -150,6 +159,10 @@ int main(int argc, char** argv) {
                               "one or more sessions in one frame; what stays is kept");
     build_command->add_option("--out", options.out, "map.pcd")->required();
     build_command->add_option("--frame", options.frame, "name of the points' frame (map)");
+    build_command
+        ->add_option(
+            "--without", options.without, "X_MIN Y_MIN X_MAX Y_MAX [m]: leave out what lies there")
+        ->expected(4);
     CLI::App* info_command =
         app.add_subcommand("info", "Check a map and describe it")->fallthrough();
     info_command->add_option("map", shown, "map.pcd")->required();

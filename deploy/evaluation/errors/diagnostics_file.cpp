@@ -81,6 +81,7 @@ RunCovariances read_covariances(const std::filesystem::path& path) {
   const Columns odom = columns_of(file, "co");
   for_each_line(file, [&](Timestamp stamp) {
     const std::string_view state = file.text(state_column);
+    if (!covariances.first_frame) covariances.first_frame = stamp;
     if (!covariances.frames.empty() || state != "initializing") covariances.frames.push_back(stamp);
     if (state == "localized") covariances.localized.push_back(stamp);
     if (const auto C = covariance(file, map)) covariances.map.push_back({stamp, *C});

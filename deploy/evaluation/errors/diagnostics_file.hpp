@@ -18,10 +18,11 @@ struct StampedCovariance {
 
 /// The covariances of a run; stamps strictly increase.
 struct RunCovariances {
-  std::vector<StampedCovariance> map;   ///< of T_map_body
-  std::vector<StampedCovariance> odom;  ///< of T_odom_body
-  std::vector<Timestamp> frames;        ///< all from the first pose in odom on
-  std::vector<Timestamp> localized;     ///< those whose state is `localized`
+  std::optional<Timestamp> first_frame;  ///< also before there is a pose
+  std::vector<StampedCovariance> map;    ///< of T_map_body
+  std::vector<StampedCovariance> odom;   ///< of T_odom_body
+  std::vector<Timestamp> frames;         ///< all from the first pose in odom on
+  std::vector<Timestamp> localized;      ///< those whose state is `localized`
 };
 
 /// Reads the columns `stamp_s`, `state`, `cm11..cm66` and `co11..co66` of diagnostics.csv, wherever

@@ -9,6 +9,7 @@
 #include "deploy/evaluation/errors/dead_reckoning.hpp"
 #include "deploy/evaluation/errors/diagnostics_file.hpp"
 #include "deploy/evaluation/errors/eval_confidence.hpp"
+#include "deploy/evaluation/errors/eval_place.hpp"
 #include "shared/trajectory/tum_file.hpp"
 
 namespace fleetloc {
@@ -131,6 +132,8 @@ nlohmann::json evaluate_run(const std::filesystem::path& run,
       {"odometry_rotation_deg", errors_or_null(odom, T_truth_odom, &TrajectoryError::rotation_deg)},
       {"aligned_once", control_or_null(truth, localized, odometry, config)},
       {"confidence", confidence(map, covariances)},
+      {"first_place", first_place(truth, map, covariances)},
+      {"carried_away", carried_away(truth, map, covariances)},
       {"odometry_relative", relative_or_null(odom, config)},
       {"covered", covered(truth, map, covariances, config.max_gap)},
       {"coverage", read_coverage(run / "summary.json")},

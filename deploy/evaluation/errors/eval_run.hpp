@@ -36,6 +36,7 @@ nlohmann::json evaluate(const Trajectory& truth,
 /// - `aligned_once`: `ate` and `rotation_deg` of the control (see dead_reckoning.hpp) at the frames
 ///   of localization_frames.tum, and the `ratio` {median, rmse} of its `ate` to the run's
 /// - `confidence`: see eval_confidence.hpp
+/// - `first_place`, `carried_away`: see eval_place.hpp
 /// - `odometry_relative`: of the same, over relative_interval, no alignment: `pairs`,
 ///   `translation_rmse_m`, `rotation_rmse_deg`
 /// - `covered`: share of the frames after the first pose that are localized and truly within 0.25 m

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "deploy/evaluation/experiment/pages.hpp"
+#include "deploy/evaluation/experiment/place_tables.hpp"
 #include "deploy/evaluation/experiment/result_figures.hpp"
 #include "deploy/evaluation/experiment/result_groups.hpp"
 #include "deploy/evaluation/experiment/result_tables.hpp"
@@ -32,6 +33,9 @@ std::string experiment_page(const Plan& plan,
            (plan.mode == Mode::kDds ? "over DDS in real time" : "replayed in simulated time") +
            "."},
       {"table", error_table(plan, groups)},
+      {"places", place_table(plan, groups)},
+      {"wrong_places", wrong_place_table(results)},
+      {"carried", carried_table(plan, groups)},
       {"figures", box_figures(plan, groups, inputs)},
       {"traffic", traffic_table(plan, groups)},
       {"failures", failure_table(results)},
@@ -62,7 +66,7 @@ std::string error_lines(const std::vector<Result>& results) {
   for (const Group& group : groups_of(results)) {
     const Run& run = *group.run;
     text << std::left << std::setw(kName)
-         << run.dataset->name + " " + run.configuration->name + " " + run.link->name << std::right;
+         << run.dataset->group + " " + run.configuration->name + " " + run.link->name << std::right;
     const auto evaluation = &Result::evaluation;
     print(mean_of(group, evaluation, "/ate/median"));
     print(mean_of(group, evaluation, "/ate/std"));
@@ -72,7 +76,7 @@ std::string error_lines(const std::vector<Result>& results) {
     print(mean_of(group, evaluation, "/odometry_ate/median"));
     text << '\n';
   }
-  return text.str();
+  return text.str() + place_lines(results);
 }
 
 }  // namespace fleetloc

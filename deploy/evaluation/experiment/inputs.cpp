@@ -112,6 +112,11 @@ Input Inputs::input_of(const MapSpec& spec) {
       words.push_back(input.path.string());
     }
   }
+  if (spec.without) {
+    words.emplace_back("--without");
+    for (const double edge : *spec.without) words.push_back(exact_text(edge));
+    for (const double edge : *spec.without) fingerprint.add("edge", exact_text(edge));
+  }
   const std::string identity = fingerprint.text();
   const fs::path folder = store_ / "maps" / identity;
   map_recipes_[folder] = words;

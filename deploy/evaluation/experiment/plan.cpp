@@ -60,9 +60,15 @@ DdsOptions read_dds(ConfigReader section, const std::filesystem::path& base) {
   return dds;
 }
 
-/// Only a replay has the control that is aligned once, the baseline, and localizers that come and
-/// go; only DDS has profiles.
+/// Only a replay has the control that is aligned once, the baseline, localizers that come and go,
+/// and faults; only DDS has profiles.
 void expect_playable(const Plan& plan, ConfigReader reader) {
+  ConfigReader datasets = reader.section("datasets");
+  for (const DatasetSpec& spec : plan.datasets) {
+    if (plan.mode == Mode::kDds && !spec.faults.empty()) {
+      datasets.section(spec.group).fail("carried", "reset: only a replay can");
+    }
+  }
   ConfigReader configurations = reader.section("configurations");
   for (const ConfigurationSpec& spec : plan.configurations) {
     if (plan.mode == Mode::kReplay) {
@@ -80,7 +86,7 @@ void expect_known_maps(const Plan& plan, ConfigReader reader) {
   ConfigReader datasets = reader.section("datasets");
   for (const DatasetSpec& dataset : plan.datasets) {
     if (std::ranges::find(plan.maps, dataset.map, &MapSpec::name) == plan.maps.end()) {
-      datasets.section(dataset.name).fail("map", "there is no map '" + dataset.map + "'");
+      datasets.section(dataset.group).fail("map", "there is no map '" + dataset.map + "'");
     }
   }
 }
@@ -102,10 +108,13 @@ Plan read_plan(const std::filesystem::path& file, const ConfigurationCheck& chec
   plan.maps = read_axis<MapSpec>(reader, "maps", [&](const auto& name, const auto& section) {
     return read_map_spec(name, section, base);
   });
-  plan.datasets =
-      read_axis<DatasetSpec>(reader, "datasets", [&](const auto& name, const auto& section) {
-        return read_dataset_spec(name, section, base);
+  const auto groups = read_axis<std::vector<DatasetSpec>>(
+      reader, "datasets", [&](const auto& name, const auto& section) {
+        return read_dataset_specs(name, section, base);
       });
+  for (const auto& specs : groups) {
+    plan.datasets.insert(plan.datasets.end(), specs.begin(), specs.end());
+  }
   plan.configurations = read_axis<ConfigurationSpec>(
       reader, "configurations", [&](const auto& name, const auto& section) {
         return read_configuration_spec(name, section, base, check);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -36,10 +37,21 @@ struct RecordedDataset {
   bool tracks = false;
 };
 
+/// Starts along a dataset of which nobody tells the robot where they are.
+struct StartsSpec {
+  int count = 0;
+  std::uint64_t seed = 1;  ///< of their times; the first ones of more are the same
+  double from_s = 0.0;     ///< of the dataset, between which they are drawn
+  double to_s = 0.0;
+};
+
 struct DatasetSpec {
   std::string name;
+  std::string group;  ///< tables sum up the datasets of a group; most are alone in theirs
   std::variant<RecordedDataset, SimulatedDataset> source;
   std::string map;
+  std::optional<StartsSpec> starts;  ///< else one start, which the robot is told
+  std::string faults;                ///< YAML, see read_fault_plan(); empty: none
 
   [[nodiscard]] bool plays_tracks() const {
     return std::visit([](const auto& its) { return its.tracks; }, source);
@@ -52,6 +64,7 @@ struct MapSpec {
   std::filesystem::path file;
   std::filesystem::path cloud;
   std::vector<SimulatedDataset> surveys;
+  std::optional<std::array<double, 4>> without;  ///< x_min, y_min, x_max, y_max, left out [m]
 };
 
 struct ConfigurationSpec {
@@ -84,7 +97,7 @@ struct DdsOptions {
   int first_domain = 1;  ///< runs at the same time have domains of their own, from here on
 };
 
-/// A matrix of runs: every dataset with every configuration, link and seed.
+/// A matrix of runs: every dataset, or every start of it, with every configuration, link and seed.
 struct Plan {
   std::string title;
   std::string description;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "deploy/config/default_config.hpp"
+#include "deploy/evaluation/experiment/draw_trials.hpp"
 #include "deploy/replay/localizer_plan.hpp"
 
 namespace fleetloc {
@@ -112,17 +113,23 @@ fs::path existing_file(ConfigReader& section, const std::string& key, const fs::
   return file;
 }
 
-DatasetSpec read_dataset_spec(const std::string& name, ConfigReader section, const fs::path& base) {
+std::vector<DatasetSpec> read_dataset_specs(const std::string& name,
+                                            ConfigReader section,
+                                            const fs::path& base) {
   expect_either(section, name, "folder", "simulated");
   DatasetSpec spec;
   spec.name = name;
+  spec.group = name;
   spec.map = section.get<std::string>("map");
   if (section.has("simulated")) {
     spec.source = read_simulated(section.section("simulated"), base);
   } else {
     spec.source = read_recorded(section, base);
   }
-  return spec;
+  if (section.has("starts")) spec.starts = read_starts(section.section("starts"));
+  if (!section.has("carried")) return {spec};
+  if (!section.has("simulated")) section.fail("carried", "needs a simulated dataset");
+  return carried_datasets(spec, read_carried(section.section("carried")));
 }
 
 MapSpec read_map_spec(const std::string& name, ConfigReader section, const fs::path& base) {
@@ -133,6 +140,13 @@ MapSpec read_map_spec(const std::string& name, ConfigReader section, const fs::p
     return spec;
   }
   expect_either(section, name, "cloud", "surveys");
+  if (section.has("without")) {
+    const auto area = section.get<std::vector<double>>("without");
+    if (area.size() != 4 || !(area[0] < area[2]) || !(area[1] < area[3])) {
+      section.fail("without", "must be [x_min, y_min, x_max, y_max] in m");
+    }
+    spec.without = {area[0], area[1], area[2], area[3]};
+  }
   if (section.has("cloud")) {
     spec.cloud = existing_file(section, "cloud", base);
     return spec;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "deploy/evaluation/experiment/plan.hpp"
 
@@ -9,9 +10,10 @@ namespace fleetloc {
 
 // The entries of a plan. All throw ConfigError; files are relative to `base`.
 
-DatasetSpec read_dataset_spec(const std::string& name,
-                              ConfigReader section,
-                              const std::filesystem::path& base);
+/// One dataset, or several that differ in when and how far the robot is carried.
+std::vector<DatasetSpec> read_dataset_specs(const std::string& name,
+                                            ConfigReader section,
+                                            const std::filesystem::path& base);
 MapSpec read_map_spec(const std::string& name,
                       ConfigReader section,
                       const std::filesystem::path& base);

@@ -25,7 +25,7 @@ std::string start_pose(const Run& run,
   const fs::path mav0 =
       fs::is_directory(dataset.path / "mav0") ? dataset.path / "mav0" : dataset.path;
   const fs::path index = mav0 / (run.dataset->plays_tracks() ? "tracks0" : "cam0") / "data.csv";
-  const Timestamp stamp = first_frame(index, context.plan->start_s);
+  const Timestamp stamp = first_frame(index, run.start_s);
   std::string displacement;
   for (const double value : start_displacement(context.plan->start_error, run.seed)) {
     displacement += (displacement.empty() ? "" : " ") + exact_text(value);
@@ -59,8 +59,8 @@ Words playing_options(const Run& run,
               "--out",
               place.folder.string()};
   if (run.dataset->plays_tracks()) words.emplace_back("--tracks");
-  if (context.plan->start_s > 0.0) {
-    words.insert(words.end(), {"--start", exact_text(context.plan->start_s)});
+  if (run.start_s > 0.0) {
+    words.insert(words.end(), {"--start", exact_text(run.start_s)});
   }
   if (context.plan->duration_s) {
     words.insert(words.end(), {"--duration", exact_text(*context.plan->duration_s)});
@@ -68,9 +68,10 @@ Words playing_options(const Run& run,
   if (run.configuration->odometry_only) return words;
   const fs::path link = place.folder / "link.yaml";
   write_text(link, link_yaml(link_of(run)));
-  words.insert(
-      words.end(),
-      {"--link", link.string(), "--initial-pose", start_pose(run, context, place.folder, stop)});
+  words.insert(words.end(), {"--link", link.string()});
+  if (run.is_told) {
+    words.insert(words.end(), {"--initial-pose", start_pose(run, context, place.folder, stop)});
+  }
   return words;
 }
 
@@ -87,6 +88,11 @@ void replay(const Run& run,
     const fs::path localizers = place.folder / "localizers.yaml";
     write_text(localizers, run.configuration->localizers);
     words.insert(words.end(), {"--localizers", localizers.string()});
+  }
+  if (!run.dataset->faults.empty()) {
+    const fs::path faults = place.folder / "faults.yaml";
+    write_text(faults, run.dataset->faults);
+    words.insert(words.end(), {"--faults", faults.string()});
   }
   if (run.configuration->align_once) words.emplace_back("--align-once");
   if (run.configuration->icp_baseline) words.insert(words.end(), {"--baseline", "icp"});

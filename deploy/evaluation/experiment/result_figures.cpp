@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <map>
 #include <utility>
 
 #include "deploy/evaluation/report/box_figure.hpp"
@@ -25,10 +24,16 @@ void append(const std::vector<PosePair>& pairs, std::vector<double>& errors) {
   for (const PosePair& pair : pairs) errors.push_back(position_error(pair).norm());
 }
 
-BoxGroup boxes_of(const Group& group, const std::string& label, const Trajectory& truth) {
+BoxGroup boxes_of(const Group& group, const std::string& label, const Inputs& inputs) {
   const Duration max_gap = from_seconds(0.15);  // as fleetloc-eval
   Errors errors;
+  std::string dataset;
+  Trajectory truth;
   for (const Result* result : group.results) {
+    if (const std::string& name = result->run->dataset->name; name != dataset) {
+      dataset = name;
+      truth = read_trajectory(inputs.dataset(name).ground_truth);
+    }
     const RunErrors its = errors_of(read_run(result->folder), truth, max_gap);
     append(its.localized, errors.localized);
     append(its.aligned_once, errors.aligned_once);
@@ -46,7 +51,7 @@ struct Axis {
 };
 
 std::array<Axis, 3> axes() {
-  return {Axis{"dataset", [](const Run& run) { return run.dataset->name; }},
+  return {Axis{"dataset", [](const Run& run) { return run.dataset->group; }},
           Axis{"configuration", [](const Run& run) { return run.configuration->name; }},
           Axis{"link", [](const Run& run) { return run.link->name; }}};
 }
@@ -92,16 +97,11 @@ Panel& panel_of(const Run& run, const Axis& across, std::vector<Panel>& panels) 
 
 std::string box_figures(const Plan& plan, const std::vector<Group>& groups, const Inputs& inputs) {
   const Axis across = horizontal_axis(plan);
-  std::map<std::string, Trajectory> truths;
   std::vector<Panel> panels;
   for (const Group& group : groups) {
     if (group.results.empty()) continue;
-    const std::string& dataset = group.run->dataset->name;
-    if (!truths.contains(dataset)) {
-      truths[dataset] = read_trajectory(inputs.dataset(dataset).ground_truth);
-    }
     panel_of(*group.run, across, panels)
-        .figure.groups.push_back(boxes_of(group, across.value(*group.run), truths.at(dataset)));
+        .figure.groups.push_back(boxes_of(group, across.value(*group.run), inputs));
   }
   std::string html;
   for (const auto& [name, figure] : panels) {

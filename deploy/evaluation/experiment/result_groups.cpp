@@ -12,8 +12,8 @@ std::vector<Group> groups_of(const std::vector<Result>& results) {
   for (const Result& result : results) {
     const Run& run = *result.run;
     const auto found = std::ranges::find_if(groups, [&run](const Group& group) {
-      return group.run->dataset == run.dataset && group.run->configuration == run.configuration &&
-             group.run->link == run.link;
+      return group.run->dataset->group == run.dataset->group &&
+             group.run->configuration == run.configuration && group.run->link == run.link;
     });
     Group& group =
         found == groups.end() ? groups.emplace_back(Group{.run = &run, .results = {}}) : *found;

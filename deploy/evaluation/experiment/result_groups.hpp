@@ -8,7 +8,7 @@
 
 namespace fleetloc {
 
-/// Results that differ in their seed alone.
+/// Results that differ in their seed or start alone, or are trials of one dataset.
 struct Group {
   const Run* run;                      ///< any of them
   std::vector<const Result*> results;  ///< that ended well

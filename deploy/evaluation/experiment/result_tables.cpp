@@ -3,35 +3,16 @@
 #include <cmath>
 #include <optional>
 
+#include "deploy/evaluation/experiment/axis_cells.hpp"
 #include "deploy/evaluation/report/html.hpp"
 
 namespace fleetloc {
 namespace {
 
-using Cells = std::vector<std::string>;
-
-constexpr const char* kNone = "–";
-
 std::string cell(const std::optional<double>& value, double scale = 1.0) {
   constexpr double kLarge = 1000.0;  // else three digits would need an exponent
-  if (!value) return kNone;
+  if (!value) return kNoValue;
   return number_text(scale * *value, std::abs(scale * *value) < kLarge ? 3 : 4);
-}
-
-Cells axes_of(const Plan& plan, const Run& run) {
-  Cells cells{escaped(run.dataset->name)};
-  if (plan.configurations.size() > 1) cells.push_back(escaped(run.configuration->name));
-  if (plan.links.size() > 1) cells.push_back(escaped(run.link->name));
-  return cells;
-}
-
-/// Names of the columns of axes_of(), and others.
-Cells header_of(const Plan& plan, const Cells& others) {
-  Cells names{"dataset"};
-  if (plan.configurations.size() > 1) names.emplace_back("configuration");
-  if (plan.links.size() > 1) names.emplace_back("link");
-  names.insert(names.end(), others.begin(), others.end());
-  return names;
 }
 
 /// Of bytes in a run, in kB/s.
@@ -43,6 +24,21 @@ std::optional<double> rate(const Group& group, const char* bytes) {
 }
 
 }  // namespace
+
+Cells axes_of(const Plan& plan, const Run& run) {
+  Cells cells{escaped(run.dataset->group)};
+  if (plan.configurations.size() > 1) cells.push_back(escaped(run.configuration->name));
+  if (plan.links.size() > 1) cells.push_back(escaped(run.link->name));
+  return cells;
+}
+
+Cells header_of(const Plan& plan, const Cells& others) {
+  Cells names{"dataset"};
+  if (plan.configurations.size() > 1) names.emplace_back("configuration");
+  if (plan.links.size() > 1) names.emplace_back("link");
+  names.insert(names.end(), others.begin(), others.end());
+  return names;
+}
 
 std::string error_table(const Plan& plan, const std::vector<Group>& groups) {
   std::vector<Cells> rows;

@@ -44,6 +44,16 @@ constexpr std::array kFigures{
     Column{"nees_odom", kEvaluation, "/nees/odom"},
     Column{"localized_wrong", kEvaluation, "/confidence/wrong"},
     Column{"confidently_wrong", kEvaluation, "/confidence/confidently_wrong"},
+    Column{"first_place_s", kEvaluation, "/first_place/after_s"},
+    Column{"first_place_m", kEvaluation, "/first_place/way_m"},
+    Column{"first_place_error_m", kEvaluation, "/first_place/error_m"},
+    Column{"first_place_error_deg", kEvaluation, "/first_place/error_deg"},
+    Column{"wrong_place_frames", kEvaluation, "/first_place/wrong_frames"},
+    Column{"carried_m", kEvaluation, "/carried_away/distance_m"},
+    Column{"noticed_s", kEvaluation, "/carried_away/noticed_s"},
+    Column{"wrong_and_sure_s", kEvaluation, "/carried_away/wrong_and_sure_s"},
+    Column{"right_again_s", kEvaluation, "/carried_away/right_s"},
+    Column{"right_again_m", kEvaluation, "/carried_away/right_m"},
     Column{"uplink_bytes", kSummary, "/uplink_bytes"},
     Column{"downlink_bytes", kSummary, "/downlink_bytes"},
     Column{"uplink_wire_bytes", kSummary, "/uplink_wire_bytes"},
@@ -96,7 +106,8 @@ std::string quoted(const std::string& text) {
 
 std::string axis_values(const Run& run) {
   std::string line = run.dataset->name + "," + run.dataset->map + "," + run.configuration->name +
-                     "," + run.link->name + "," + std::to_string(run.seed);
+                     "," + run.link->name + "," + std::to_string(run.seed) + "," +
+                     exact_text(run.start_s);
   for (const LinkDirection& direction : {run.link->link.uplink, run.link->link.downlink}) {
     for (const double value : {direction.loss, direction.delay_s, direction.rate_bytes_per_s}) {
       line += "," + exact_text(value);
@@ -126,7 +137,8 @@ std::vector<Result> read_results(const std::vector<Run>& runs, const fs::path& f
 
 std::string results_csv(const std::vector<Result>& results) {
   std::string text =
-      "dataset,map,configuration,link,seed,loss_up,latency_up_s,bandwidth_up_bytes_per_s,loss_down,"
+      "dataset,map,configuration,link,seed,start_s,loss_up,latency_up_s,bandwidth_up_bytes_per_s,"
+      "loss_down,"
       "latency_down_s,bandwidth_down_bytes_per_s";
   for (const Column& column : kFigures) text += std::string(",") + column.name;
   text += ",exit_status,failure,folder\n";

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "deploy/evaluation/experiment/draw_trials.hpp"
 #include "deploy/evaluation/experiment/fingerprint.hpp"
 #include "deploy/evaluation/experiment/initial_pose.hpp"
 #include "deploy/evaluation/experiment/player.hpp"
@@ -24,7 +25,7 @@ std::string identity_of(const Run& run,
       .add(dds ? "robot" : "replay", programs.fingerprint(dds ? "robot" : "replay"))
       .add("dataset", inputs.dataset(run.dataset->name).identity)
       .add("tracks", run.dataset->plays_tracks() ? "yes" : "no")
-      .add("start", exact_text(plan.start_s))
+      .add("start", exact_text(run.start_s))
       .add("duration", plan.duration_s ? exact_text(*plan.duration_s) : "all")
       .add("configuration", run.configuration->yaml);
   if (dds) {
@@ -32,12 +33,14 @@ std::string identity_of(const Run& run,
         .add_file("qos", qos_of(*run.configuration, *plan.dds))
         .add("rate", exact_text(plan.dds->rate));
   }
+  if (!run.dataset->faults.empty()) fingerprint.add("faults", run.dataset->faults);
   if (run.configuration->odometry_only) return fingerprint.text();  // the rest has no effect
   return fingerprint.add("map", inputs.map(run.dataset->map).identity)
       .add("align once", run.configuration->align_once ? "yes" : "no")
       .add("localizers", run.configuration->localizers)
       .add("baseline", run.configuration->icp_baseline ? "icp" : "none")
       .add("link", link_yaml(link_of(run)))
+      .add("told", run.is_told ? "yes" : "no")
       .add("start position error", exact_text(plan.start_error.position_m))
       .add("start yaw error", exact_text(plan.start_error.yaw_deg))
       .text();
@@ -64,6 +67,7 @@ void write_description(const fs::path& folder,
                                       {"configuration", run.configuration->name},
                                       {"link", run.link->name},
                                       {"seed", run.seed},
+                                      {"start_s", run.start_s},
                                       {"identity", run.identity},
                                       {"exit_status", exit_status},
                                       {"failure", failure}};
@@ -93,11 +97,19 @@ std::string outcome_line(const fs::path& folder) {
   return line.str();
 }
 
+/// In seconds of the dataset.
+std::vector<double> starts_of(const DatasetSpec& dataset, const Plan& plan) {
+  if (!dataset.starts) return {plan.start_s};
+  return drawn_starts(*dataset.starts);
+}
+
 }  // namespace
 
 std::string Run::name() const {
-  return dataset->name + " " + configuration->name + " " + link->name + " seed " +
-         std::to_string(seed);
+  std::string name = dataset->name + " " + configuration->name + " " + link->name + " seed " +
+                     std::to_string(seed);
+  if (dataset->starts) name += " from " + exact_text(start_s) + " s";
+  return name;
 }
 
 LinkConfig link_of(const Run& run) {
@@ -112,13 +124,17 @@ std::vector<Run> runs_of(const Plan& plan, const Inputs& inputs, const Programs&
     for (const ConfigurationSpec& configuration : plan.configurations) {
       for (const LinkSpec& link : plan.links) {
         for (const std::uint64_t seed : plan.seeds) {
-          Run run{.dataset = &dataset,
-                  .configuration = &configuration,
-                  .link = &link,
-                  .seed = seed,
-                  .identity = {}};
-          run.identity = identity_of(run, plan, inputs, programs);
-          runs.push_back(run);
+          for (const double start_s : starts_of(dataset, plan)) {
+            Run run{.dataset = &dataset,
+                    .configuration = &configuration,
+                    .link = &link,
+                    .seed = seed,
+                    .start_s = start_s,
+                    .is_told = !dataset.starts.has_value(),
+                    .identity = {}};
+            run.identity = identity_of(run, plan, inputs, programs);
+            runs.push_back(run);
+          }
         }
       }
     }

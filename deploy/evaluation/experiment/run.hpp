@@ -18,12 +18,15 @@ struct Run {
   const ConfigurationSpec* configuration;
   const LinkSpec* link;
   std::uint64_t seed = 0;
+  double start_s = 0.0;  ///< of the dataset to skip
+  bool is_told = true;   ///< where it starts
   std::string identity;  ///< hash of all that it depends on; runs with the same one are the same
 
   [[nodiscard]] std::string name() const;
 };
 
-/// All runs of a plan, in the order dataset, configuration, link, seed. The plan must outlive them.
+/// All runs of a plan, in the order dataset, configuration, link, seed, start. The plan must
+/// outlive them.
 std::vector<Run> runs_of(const Plan& plan, const Inputs& inputs, const Programs& programs);
 
 /// Its link, with its seed; a perfect one where the baseline takes its place.

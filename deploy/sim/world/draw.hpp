@@ -16,6 +16,7 @@ enum class RandomStream : std::uint8_t {
   kStructure,
   kSeason,
   kDynamicObject,
+  kRow,
 };
 
 /// The random numbers of one object of the world, one after the other.

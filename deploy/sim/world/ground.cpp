@@ -14,7 +14,8 @@ constexpr float kReach_m = 14.0F;      // within which the route decides the hei
 constexpr float kMinBelow = 0.6F;      // share of the body's height that is free below it anywhere
 constexpr float kFlatWithin_m = 3.0F;  // of the route there are no hills
 constexpr float kHillyFrom_m = 25.0F;
-constexpr float kVerge_m = 1.5F;  // width, on both sides of the path
+constexpr float kBumps_m = 0.12F;  // beside the route, where there is relief
+constexpr float kVerge_m = 1.5F;   // width, on both sides of the path
 
 GroundSurface surface_at(float distance_m, float half_path_m) {
   if (distance_m < half_path_m) return kPath;
@@ -50,8 +51,10 @@ float Ground::height(const Eigen::Vector2f& p) const {
   const float scale = 1.0F / config_->ground.relief_length_m;
   const float hill = smooth_noise(p.x() * scale, p.y() * scale, seed_) - 0.4F;
   const float bumps = smooth_noise(p.x() * 0.4F, p.y() * 0.4F, seed_ + 1U) - 0.5F;
-  return std::min(level + share * share * config_->ground.relief_m * hill + 0.12F * share * bumps,
-                  ceiling);
+  const float roughness_m = config_->ground.relief_m > 0.0F ? kBumps_m : 0.0F;
+  return std::min(
+      level + share * share * config_->ground.relief_m * hill + roughness_m * share * bumps,
+      ceiling);
 }
 
 SceneObject Ground::object() const {

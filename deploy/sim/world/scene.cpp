@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "deploy/sim/world/building.hpp"
@@ -26,10 +29,24 @@ class Site {
     if (!route_->is_clear(footprint, config_->clearance_m + overhang_m)) return false;
     const float reach = config_->half_width_m - footprint.half_size.norm();
     if (route_->distance(footprint.center, config_->half_width_m) >= reach) return false;
+    if (is_for_rows_alone(footprint.center)) return false;
     const auto taken = [&](const Footprint& other) { return other.overlaps(footprint); };
     if (std::any_of(taken_.begin(), taken_.end(), taken)) return false;
     taken_.push_back(footprint);
     return true;
+  }
+
+  /// Takes the place of what stands in a row. Throws std::invalid_argument if it is in the robot's
+  /// way.
+  void take_for_row(const PlacedItem& item, const std::string& row) {
+    constexpr float kHeadroom_m = 2.0F;
+    if (item.lowest_m < kHeadroom_m && !route_->is_clear(item.footprint, config_->clearance_m)) {
+      std::ostringstream text;
+      text << "row '" << row << "': what stands at x " << item.footprint.center.x() << ", y "
+           << item.footprint.center.y() << " m is within the clearance of the route";
+      throw std::invalid_argument(text.str());
+    }
+    taken_.push_back(item.footprint);
   }
 
   [[nodiscard]] Placement on_ground(const Footprint& footprint) const {
@@ -70,6 +87,12 @@ class Site {
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
 
  private:
+  [[nodiscard]] bool is_for_rows_alone(const Eigen::Vector2f& p) const {
+    return std::ranges::any_of(config_->rows_alone, [&p](const SceneConfig::Area& area) {
+      return (p.array() >= area.min_map.array()).all() && (p.array() <= area.max_map.array()).all();
+    });
+  }
+
   [[nodiscard]] Footprint drawn_place(const Scatter& what, Draw& draw) const {
     const float arc = draw.uniform(-kBeyond_m, route_->length_m() + kBeyond_m);
     const float lateral = config_->clearance_m + 0.5F * what.size_m.y() + 0.15F +
@@ -118,6 +141,19 @@ void add_buildings(Site& site, Scene& scene) {
       if (!footprint) continue;
       scene.buildings.push_back(make_building(
           {.placement = site.on_ground(*footprint), .size_m = size, .foundation_m = 6.0F}, draw));
+    }
+  }
+}
+
+void add_rows(Site& site, Scene& scene) {
+  for (const ObjectRow& row : site.config().rows) {
+    for (int place = 0; place < row.count; ++place) {
+      const Eigen::Vector2f p = row.first_map + static_cast<float>(place) * row.step_map;
+      for (PlacedItem& item : placed_items(row, place, site.ground().height(p), site.seed())) {
+        site.take_for_row(item, row.name);
+        scene.furniture.push_back(std::move(item.solid));
+        if (!item.leaves.mesh.vertices.empty()) scene.leaves.push_back(std::move(item.leaves));
+      }
     }
   }
 }
@@ -217,6 +253,7 @@ Scene build_scene(const SceneConfig& config,
   scene.route = std::make_shared<const RouteField>(route_map);
   Site site(*scene.route, config, seed);
   scene.ground = site.ground().object();
+  add_rows(site, scene);
   add_buildings(site, scene);
   add_structures(site, scene);
   add_cars(site, scene);

@@ -37,7 +37,8 @@ struct Scene {
 /// passes below it.
 ///
 /// @param route_map  positions of the body along the route, in its order
-/// Throws std::invalid_argument for a route shorter than 0.5 m or not finite.
+/// Throws std::invalid_argument for a route shorter than 0.5 m or not finite, and for a row of the
+/// configuration that stands in its way.
 Scene build_scene(const SceneConfig& config,
                   std::span<const Eigen::Vector3d> route_map,
                   std::uint64_t seed);

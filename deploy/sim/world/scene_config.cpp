@@ -27,6 +27,17 @@ Eigen::Vector2f range(ConfigReader& config, const std::string& what) {
   return {min, within(config, "max_" + what, min, 1e3)};
 }
 
+std::vector<SceneConfig::Area> read_areas(ConfigReader& config, const std::string& key) {
+  std::vector<SceneConfig::Area> areas;
+  for (const auto& numbers : config.get<std::vector<std::vector<float>>>(key)) {
+    if (numbers.size() != 4 || !(numbers[0] < numbers[2]) || !(numbers[1] < numbers[3])) {
+      config.fail(key, "an area is [x_min, y_min, x_max, y_max] in m");
+    }
+    areas.push_back({.min_map = {numbers[0], numbers[1]}, .max_map = {numbers[2], numbers[3]}});
+  }
+  return areas;
+}
+
 SceneConfig read_scene(ConfigReader config) {
   SceneConfig scene{};
   scene.body_height_m = within(config, "body_height_m", 0.2, 5.0);
@@ -50,6 +61,8 @@ SceneConfig read_scene(ConfigReader config) {
                      .clutter = within(density, "clutter", 0.0, 200.0),
                      .cars = within(density, "cars", 0.0, 200.0),
                      .structures = within(density, "structures", 0.0, 200.0)};
+  if (config.has("rows")) scene.rows = read_rows(config.section("rows"));
+  if (config.has("rows_alone")) scene.rows_alone = read_areas(config, "rows_alone");
   return scene;
 }
 

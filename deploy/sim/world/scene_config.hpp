@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "deploy/sim/world/row.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -13,7 +14,7 @@ namespace fleetloc {
 struct SceneConfig {
   struct Ground {
     float cell_m;
-    float relief_m;         ///< of the hills beside the route, peak to peak
+    float relief_m;         ///< of the hills beside the route, peak to peak; 0: smooth as well
     float relief_length_m;  ///< from hill to valley
     float path_width_m;     ///< paved, around the route
   };
@@ -22,6 +23,11 @@ struct SceneConfig {
     Eigen::Vector2f setback_m;  ///< min and max, of the facade from the route
     Eigen::Vector2f height_m;
     Eigen::Vector2f width_m;  ///< along the route
+  };
+  /// Corners of a rectangle along the axes of map [m].
+  struct Area {
+    Eigen::Vector2f min_map;
+    Eigen::Vector2f max_map;
   };
   struct Density {  ///< along 100 m of route, both sides together
     float trees;
@@ -38,6 +44,8 @@ struct SceneConfig {
   Ground ground;
   Buildings buildings;
   Density per_100_m;
+  std::vector<ObjectRow> rows;
+  std::vector<Area> rows_alone;  ///< where nothing is drawn at random
 };
 
 /// One season of a scene.

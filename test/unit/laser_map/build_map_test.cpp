@@ -134,5 +134,12 @@ TEST(BuildMap, ReportsItsProgressUpToTheEnd) {
   EXPECT_EQ(last, map.size());
 }
 
+TEST(BuildMap, MayLeaveARectangleOutAtAnyHeight) {
+  const std::vector<Eigen::Vector3f> points = {
+      {0.0F, 0.0F, 0.0F}, {1.5F, 2.5F, 90.0F}, {1.5F, 4.5F, 0.0F}, {2.5F, 2.5F, -3.0F}};
+  const auto kept = points_outside(points, {.min = {1.0, 2.0}, .max = {2.0, 3.0}});
+  EXPECT_THAT(kept, testing::ElementsAre(points[0], points[2], points[3]));
+}
+
 }  // namespace
 }  // namespace fleetloc
