@@ -13,7 +13,7 @@ namespace fleetloc {
 namespace {
 
 constexpr int kMostTrials = 10'000;
-constexpr double kLongest_s = 1e6;
+constexpr double kLongestDrive_s = 1e6;
 
 // Streams of random numbers of their own.
 constexpr std::uint64_t kStartStream = 0x737461727473;
@@ -25,7 +25,7 @@ std::uint64_t read_trial_seed(ConfigReader& section) {
 
 std::array<double, 2> read_range(ConfigReader& section, const std::string& key) {
   const auto range = section.get<std::vector<double>>(key);
-  if (range.size() != 2 || !(range[0] >= 0.0 && range[0] <= range[1] && range[1] <= kLongest_s)) {
+  if (range.size() != 2 || !(range[0] >= 0.0 && range[0] <= range[1] && range[1] <= kLongestDrive_s)) {
     section.fail(key, "must be [least, most] in seconds, from 0 to 1e6");
   }
   return {range[0], range[1]};
@@ -49,8 +49,8 @@ std::string with_carried(const std::string& config, double at_s, double for_s) {
 StartsSpec read_starts(ConfigReader section) {
   StartsSpec starts{.count = section.integer("count", 1, kMostTrials),
                     .seed = read_trial_seed(section),
-                    .from_s = section.number("from_s", 0.0, kLongest_s)};
-  starts.to_s = section.number("to_s", starts.from_s, kLongest_s);
+                    .from_s = section.number("from_s", 0.0, kLongestDrive_s)};
+  starts.to_s = section.number("to_s", starts.from_s, kLongestDrive_s);
   return starts;
 }
 
