@@ -124,15 +124,18 @@ bool DdsConnection::is_of_its_writer(Topic topic,
                             std::span(guid.guidPrefix.value).first(expected_begin.size()));
 }
 
-// A member keeps the begin of its GUIDs, however often its program starts.
+// A member keeps the begin of its GUIDs, however often its program starts and wherever: who shares
+// its computer is another one.
 MessageSender DdsConnection::sender_of(const dds::InstanceHandle_t& writer) const {
   const auto guid = iHandle2GUID(writer);
   GuidPrefix prefix{};
   std::ranges::copy(guid.guidPrefix.value, prefix.begin());
-  MessageSender sender{.participant = prefix,
-                       .address = wire_->senders.address_of(prefix).value_or(0)};
-  if (keys_)
+  MessageSender sender{.participant = prefix};
+  if (keys_) {
     std::ranges::fill(std::span(sender.participant).subspan(FleetKeys::GuidBegin{}.size()), 0);
+  } else {
+    sender.address = wire_->senders.address_of(prefix).value_or(0);
+  }
   return sender;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Works around: Fast DDS 2.9.1 makes room for every participant that announces itself, some 50 KB
-// each, for as long as it says that it will be there, and sends it what it sends to all.
+// Works around: Fast DDS 2.9.1 makes room for every participant that announces itself, for as long
+// as it says that it will be there, and sends it what it sends to all.
 // Delete when: the library bounds that by address.
 
 #include <chrono>
