@@ -44,6 +44,7 @@ LocalizerPool::LocalizerPool(std::string name,
     : map_(std::move(map)),
       pyramid_(std::move(pyramid)),
       config_(config),
+      writers_(config.protocol.sessions.silence_s),
       protocol_({.name = name, .incarnation = incarnation, .map_hash = map_->info().hash},
                 config.protocol),
       scheduler_(config.max_waiting_s),
@@ -52,11 +53,8 @@ LocalizerPool::LocalizerPool(std::string name,
 
 void LocalizerPool::receive(const Message& message, Timestamp now) {
   const auto take = [&](auto decoded, auto receive) {
-    if (decoded) {
-      receive(*std::move(decoded));
-    } else {
-      report_.refuse(decoded.error());
-    }
+    if (!decoded) return report_.refuse(decoded.error());
+    if (is_of_its_writer(decoded->robot, message.sender, now)) receive(*std::move(decoded));
   };
   const Bytes& payload = message.payload;
   if (message.topic == Topic::kSession) {
@@ -71,6 +69,14 @@ void LocalizerPool::receive(const Message& message, Timestamp now) {
     take(decode_robot_status(payload),
          [&](auto status) { receive_status(status, payload.size(), now); });
   }
+}
+
+bool LocalizerPool::is_of_its_writer(const RobotId& robot,
+                                     const MessageSender& sender,
+                                     Timestamp now) {
+  if (writers_.accepts(robot, sender, now)) return true;
+  report_.refuse(robot, PoolRefusal::kForeignWriter, now);
+  return false;
 }
 
 void LocalizerPool::receive_session(const RobotSession& session, Timestamp now) {

@@ -19,6 +19,7 @@
 #include "cloud/pool/waiting_submaps.hpp"
 #include "shared/compact/submap_sample.hpp"
 #include "shared/link/channel.hpp"
+#include "shared/protocol/sender_binding.hpp"
 
 namespace fleetloc {
 
@@ -112,6 +113,7 @@ class LocalizerPool {
     WaitingSubmaps waiting;
   };
 
+  bool is_of_its_writer(const RobotId& robot, const MessageSender& sender, Timestamp now);
   void receive_session(const RobotSession& session, Timestamp now);
   void receive_submap(Submap submap, std::size_t bytes, Timestamp now);
   void receive_submap(const SubmapSample& sample, std::size_t bytes, Timestamp now);
@@ -124,6 +126,7 @@ class LocalizerPool {
   std::shared_ptr<const LaserMap> map_;
   std::shared_ptr<const MapPyramid> pyramid_;
   Config config_;
+  SenderBinding writers_;
   SessionProtocol protocol_;
   FairScheduler scheduler_;
   PoolReport report_;

@@ -12,6 +12,8 @@ std::string_view name(PoolRefusal refusal) {
       return name(SessionRefusal::kOutdated);
     case PoolRefusal::kConflictingSession:
       return name(SessionRefusal::kConflict);
+    case PoolRefusal::kForeignWriter:
+      return "foreign_writer";
     case PoolRefusal::kOtherIncarnation:
       return "other_incarnation";
     case PoolRefusal::kTooManySessions:

@@ -10,6 +10,7 @@ enum class PoolRefusal {
   kUnknownSession,
   kOutdatedSession,
   kConflictingSession,
+  kForeignWriter,     ///< another program speaks for this robot, see SenderBinding
   kOtherIncarnation,  ///< meant for an earlier start of this localizer
   kTooManySessions,
   kSeenBefore,     ///< a submap that came twice, or very late

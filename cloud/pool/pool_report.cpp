@@ -33,14 +33,18 @@ void PoolReport::refuse(const RobotId& robot, PoolRefusal refusal, Timestamp now
   } else {
     ++unattributed_[std::string(name(refusal))];
   }
-  if (refusal == PoolRefusal::kConflictingSession) note_conflict(robot, now);
+  if (refusal == PoolRefusal::kConflictingSession) {
+    note_conflict(robot, "two robots have this id: the one started first is refused", now);
+  } else if (refusal == PoolRefusal::kForeignWriter) {
+    note_conflict(robot, "another program speaks for it: who came later is refused", now);
+  }
 }
 
-void PoolReport::note_conflict(const RobotId& robot, Timestamp now) {
+void PoolReport::note_conflict(const RobotId& robot, const std::string& what, Timestamp now) {
   const bool is_new = !conflicts_.contains(robot);
   if (is_new && conflicts_.size() >= kMaxConflicts) return;
   conflicts_[robot] = now;
-  if (is_new) log(robot + ": two robots have this id: the one started first is refused");
+  if (is_new) log(robot + ": " + what);
 }
 
 void PoolReport::log(std::string event) {

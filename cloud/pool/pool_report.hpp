@@ -57,7 +57,7 @@ class PoolReport {
     SessionReport report;
   };
 
-  void note_conflict(const RobotId& robot, Timestamp now);
+  void note_conflict(const RobotId& robot, const std::string& what, Timestamp now);
 
   std::size_t max_departed_;
   std::map<RobotId, SessionReport> served_;

@@ -11,6 +11,7 @@ namespace fleetloc {
 CloudClient::CloudClient(RobotId robot, Channel& channel, const Config& config)
     : robot_(std::move(robot)),
       channel_(channel),
+      writers_(config.selector.known.status_timeout_s),
       selector_(robot_, config.selector),
       connections_(channel, config.connections),
       streams_(robot_, channel, config.stream),
@@ -69,9 +70,9 @@ std::vector<LocalizationResult> CloudClient::take_answers(Timestamp clock) {
   const Timestamp now = time_at(clock);
   std::vector<LocalizationResult> answers;
   for (const Message& message : channel_.receive(clock_)) {
-    if (message.topic == Topic::kLocalizerStatus) receive_status(message.payload, now);
+    if (message.topic == Topic::kLocalizerStatus) receive_status(message, now);
     if (message.topic != Topic::kLocalization) continue;
-    if (auto answer = receive_answer(message.payload, now)) answers.push_back(std::move(*answer));
+    if (auto answer = receive_answer(message, now)) answers.push_back(std::move(*answer));
   }
   if (streams_.current().has_session()) update_localizer(now);  // after the status messages
   streams_.repeat_announcements(stream_time(now));
@@ -85,22 +86,31 @@ void CloudClient::note_applied() {
   if (answers_.map()) selector_.require_map(*answers_.map());
 }
 
-void CloudClient::receive_status(const Bytes& payload, Timestamp now) {
-  const auto status = decode_localizer_status(payload);
+void CloudClient::receive_status(const Message& message, Timestamp now) {
+  const auto status = decode_localizer_status(message.payload);
   if (!status) return refuse(status.error());
+  if (!writers_.accepts(status->localizer, message.sender, now)) {
+    events_.foreign_writer(status->localizer);
+    return refuse(MessageRefusal::kForeignWriter);
+  }
   const auto taken = selector_.update(*status, now);
   if (taken) return;
   if (taken.error() == StatusRefusal::kConflict) events_.conflict(status->localizer);
   refuse(taken.error());
 }
 
-std::optional<LocalizationResult> CloudClient::receive_answer(const Bytes& payload, Timestamp now) {
-  auto decoded = decode_answer(payload);
+std::optional<LocalizationResult> CloudClient::receive_answer(const Message& message,
+                                                              Timestamp now) {
+  auto decoded = decode_answer(message.payload);
   if (!decoded) {
     refuse(decoded.error());
     return std::nullopt;
   }
   LocalizationResult& answer = decoded->result;
+  if (!writers_.accepts_if_bound(answer.localizer, message.sender, now)) {
+    refuse(MessageRefusal::kForeignWriter);
+    return std::nullopt;
+  }
   if (const auto valid = check(answer); !valid) {
     refuse(valid.error());
     check_for_duplicate_id(answer, now);

@@ -17,6 +17,7 @@
 #include "shared/link/channel.hpp"
 #include "shared/model/map_localizer.hpp"
 #include "shared/model/pose_estimate.hpp"
+#include "shared/protocol/sender_binding.hpp"
 #include "shared/protocol/status_timer.hpp"
 #include "shared/protocol/steady_time.hpp"
 
@@ -78,8 +79,8 @@ class CloudClient final : public MapLocalizer {
 
  private:
   void begin_session(Timestamp now);
-  void receive_status(const Bytes& payload, Timestamp now);
-  std::optional<LocalizationResult> receive_answer(const Bytes& payload, Timestamp now);
+  void receive_status(const Message& message, Timestamp now);
+  std::optional<LocalizationResult> receive_answer(const Message& message, Timestamp now);
   [[nodiscard]] expected<void, MessageRefusal> check(const LocalizationResult& answer) const;
   void check_for_duplicate_id(const LocalizationResult& answer, Timestamp now);
   void session_requested(const LocalizationResult& answer, Timestamp now);
@@ -105,6 +106,7 @@ class CloudClient final : public MapLocalizer {
   Channel& channel_;
   Timestamp clock_{};  // as it was passed in last
   SteadyTime steady_;
+  SenderBinding writers_;
   LocalizerSelector selector_;
   LocalizerConnections connections_;
   SessionStreams streams_;

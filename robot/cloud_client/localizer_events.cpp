@@ -64,6 +64,11 @@ void LocalizerEvents::conflict(const std::string& localizer) {
   note("two localizers are named " + localizer + ": the one started first is not used");
 }
 
+void LocalizerEvents::foreign_writer(const std::string& localizer) {
+  if (std::exchange(has_conflict_, true)) return;
+  note("another program is named " + localizer + ": the one that came later is not used");
+}
+
 // After kSettledSeconds no answer to an earlier session of this robot can be in flight.
 void LocalizerEvents::foreign_answer(Timestamp now) {
   constexpr double kSettledSeconds = 30.0;

@@ -21,6 +21,8 @@ class LocalizerEvents {
   void unchanged(const LocalizerSelector& selector);
   /// Two localizers have this name.
   void conflict(const std::string& localizer);
+  /// Another program speaks for this localizer.
+  void foreign_writer(const std::string& localizer);
   /// An answer to this robot, and to a session that it does not have.
   void foreign_answer(Timestamp now);
 

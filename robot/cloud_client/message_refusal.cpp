@@ -16,6 +16,8 @@ std::string_view name(MessageRefusal refusal) {
       return "not_asked";
     case MessageRefusal::kOtherMap:
       return "other_map";
+    case MessageRefusal::kForeignWriter:
+      return "foreign_writer";
   }
   return "unknown";
 }

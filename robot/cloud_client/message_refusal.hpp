@@ -12,6 +12,7 @@ enum class MessageRefusal {
   kOtherIncarnation,  ///< of the chosen localizer
   kNotAsked,          ///< no such submap was sent
   kOtherMap,          ///< than the one that this robot's poses refer to
+  kForeignWriter,     ///< another program speaks for this localizer, see SenderBinding
 };
 
 /// Name in summary.json.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "shared/core/time.hpp"
+#include "shared/link/message_sender.hpp"
 
 namespace fleetloc {
 
@@ -31,6 +32,7 @@ using Bytes = std::vector<std::uint8_t>;
 struct Message {
   Topic topic{};
   Bytes payload;
+  MessageSender sender{};  ///< of one that was received
 };
 
 /// Traffic of a channel since it was created.

@@ -29,6 +29,7 @@ DdsConnection::DdsConnection(const DdsChannelConfig& end,
                              const ParticipantOptions& options,
                              Deliver deliver)
     : keys_(options.keys),
+      wire_(wire),
       participant_(end.domain, end.participant_profile, wire, options),
       subscriptions_(subscribe(end)),
       versions_(end.role == ChannelRole::kCloud ? participant_.create_writer(versions_topic_spec())
@@ -104,6 +105,7 @@ bool DdsConnection::take(dds::DataReader& reader) {
   } else if (!is_of_its_writer(message.topic, *key, info.publication_handle)) {
     deliver_(unexpected(KeyDefect::kForeignWriter));
   } else {
+    message.sender = sender_of(info.publication_handle);
     deliver_(std::move(message));
   }
   return true;
@@ -120,6 +122,21 @@ bool DdsConnection::is_of_its_writer(Topic topic,
   const auto expected_begin = keys_->guid_begin(role, std::string(key));
   return std::ranges::equal(expected_begin,
                             std::span(guid.guidPrefix.value).first(expected_begin.size()));
+}
+
+// A member keeps the begin of its GUIDs, however often its program starts and wherever: who shares
+// its computer is another one.
+MessageSender DdsConnection::sender_of(const dds::InstanceHandle_t& writer) const {
+  const auto guid = iHandle2GUID(writer);
+  GuidPrefix prefix{};
+  std::ranges::copy(guid.guidPrefix.value, prefix.begin());
+  MessageSender sender{.participant = prefix};
+  if (keys_) {
+    std::ranges::fill(std::span(sender.participant).subspan(FleetKeys::GuidBegin{}.size()), 0);
+  } else {
+    sender.address = wire_->senders.address_of(prefix).value_or(0);
+  }
+  return sender;
 }
 
 }  // namespace fleetloc

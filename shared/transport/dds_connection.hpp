@@ -71,7 +71,11 @@ class DdsConnection {
                                       std::string_view key,
                                       const eprosima::fastdds::dds::InstanceHandle_t& writer) const;
 
+  [[nodiscard]] MessageSender sender_of(
+      const eprosima::fastdds::dds::InstanceHandle_t& writer) const;
+
   std::optional<FleetKeys> keys_;
+  std::shared_ptr<WireLink> wire_;
   Participant participant_;
   std::map<Destination, EntityPtr<eprosima::fastdds::dds::DataWriter>> writers_;
   std::vector<Subscription> subscriptions_;

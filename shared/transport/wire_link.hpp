@@ -7,6 +7,7 @@
 #include "shared/transport/traffic_counter.hpp"
 #include "shared/transport/wire_version.hpp"
 #include "shared/transport/workarounds/answered_heartbeats.hpp"
+#include "shared/transport/workarounds/known_senders.hpp"
 #include "shared/transport/workarounds/peer_address_filter.hpp"
 #include "shared/transport/workarounds/server_restart_detector.hpp"
 #include "shared/transport/workarounds/silent_server_pacing.hpp"
@@ -30,6 +31,7 @@ struct WireLink {
   /// Participants of the same process are not discovered, so what they send here is no traffic.
   bool ignores_own_process = false;
   std::optional<EmulatedLink> emulated;
+  KnownSenders senders;
   WireVersionWatch versions;
   ServerRestartDetector servers;
   SilentServerPacing silent_servers;

@@ -370,6 +370,8 @@ void WireTransport::receive(fdr::TransportReceiverInterface* receiver,
       (link_->ignores_own_process && own_.are_of_same_process(datagram))) {
     return receiver->OnDataReceived(buffer, size, local, remote);
   }
+  const auto sender = link_->senders.check(datagram, locator_of(remote).address, Clock::now());
+  if (!sender) return link_->malformed.add(sender.error());
   if (!link_->emulated) return deliver(*receiver, datagram, local, remote);
   for (const Clock::time_point due : link_->emulated->incoming_at(size, Clock::now())) {
     delay_line_.at(

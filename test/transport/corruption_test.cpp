@@ -1,18 +1,15 @@
 // Samples and datagrams that no sane program sends, over real DDS, to ends that live.
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <fstream>
 #include <functional>
 #include <random>
-#include <system_error>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <idl/statusPubSubTypes.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
+#include "test/transport/intruder.hpp"
 #include "test/transport/ros2_network.hpp"
 #include "test/transport/rtps_messages.hpp"
 #include "test/transport/test_network.hpp"
@@ -30,68 +27,6 @@ Bytes mutated(Bytes bytes, std::mt19937& random) {
     bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << (random() % 8));
   }
   return bytes;
-}
-
-// Sends to all ports that participants of a domain listen on, and hears what they tell everyone.
-class Intruder {
- public:
-  /// @param unused_id  of a participant; the others look for it
-  Intruder(std::uint32_t domain, std::uint32_t unused_id) : domain_(domain) {
-    const sockaddr_in own = address_of(unused_id, 0);
-    if (bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) {
-      throw std::system_error(errno, std::generic_category(), "bind");
-    }
-  }
-  ~Intruder() { close(socket_); }
-  Intruder(const Intruder&) = delete;
-  Intruder& operator=(const Intruder&) = delete;
-
-  [[nodiscard]] Bytes hear() const {
-    Bytes datagram(65536);
-    const ssize_t size = recv(socket_, datagram.data(), datagram.size(), 0);
-    datagram.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return datagram;
-  }
-
-  void send(const Bytes& datagram) const {
-    constexpr std::uint32_t kIds = 32;  // of all participants of this process
-    for (std::uint32_t id = 0; id < kIds; ++id) {
-      for (const std::uint32_t kind : {0U, 1U}) {
-        const sockaddr_in to = address_of(id, kind);
-        sendto(socket_,
-               datagram.data(),
-               datagram.size(),
-               0,
-               reinterpret_cast<const sockaddr*>(&to),
-               sizeof to);
-      }
-    }
-  }
-
- private:
-  // DDS Interoperability Wire Protocol, 9.6.1.1; kind 0: discovery, 1: samples.
-  [[nodiscard]] sockaddr_in address_of(std::uint32_t id, std::uint32_t kind) const {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(7410 + 250 * domain_ + 2 * id + kind));
-    return address;
-  }
-
-  std::uint32_t domain_;
-  int socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-};
-
-// An announcement as if it were somebody else's, in its header and in its parameters.
-Bytes with_prefix(Bytes announced, const GuidPrefix& prefix) {
-  constexpr std::size_t kPrefixAt = 8;
-  GuidPrefix own;
-  std::copy_n(announced.begin() + kPrefixAt, own.size(), own.begin());
-  auto found = announced.begin();
-  while ((found = std::search(found, announced.end(), own.begin(), own.end())) != announced.end()) {
-    found = std::copy(prefix.begin(), prefix.end(), found);
-  }
-  return announced;
 }
 
 /// Messages with some bytes changed, and announcements of somebody who is not there.

@@ -9,7 +9,8 @@ constexpr std::chrono::milliseconds kFirstRepetition{500};
 constexpr int kTries = 5;                               // within 16 s
 constexpr int kTriesToAll = 40;                         // within 40 to 320 s
 constexpr std::chrono::minutes kStrangerForgotten{10};  // longer than any lease
-constexpr std::size_t kManyStrangers = 2000;            // then those are dropped that are forgotten
+constexpr std::size_t kManyStrangers = 8192;            // as KnownSenders
+constexpr std::chrono::seconds kBetweenLooks{1};        // for those that are forgotten
 
 bool is_addressed(RtpsBytes datagram, const GuidPrefix& to) {
   RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
@@ -30,10 +31,6 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
   const bool knows_us = is_addressed(datagram, own);
   if (knows_us) is_known_.store(true, std::memory_order_relaxed);
   const std::lock_guard lock(mutex_);
-  if (strangers_.size() > kManyStrangers) {
-    std::erase_if(strangers_,
-                  [&](const auto& one) { return now - one.second.heard > kStrangerForgotten; });
-  }
   const auto known = strangers_.find(sender_of(datagram));
   if (known != strangers_.end()) {
     known->second.heard = now;
@@ -41,8 +38,18 @@ std::optional<AnnouncementRepetition::Pause> AnnouncementRepetition::heard(RtpsB
     return std::nullopt;
   }
   if (!knows_us && !is_announcement(datagram)) return std::nullopt;
+  if (!has_room(now)) return std::nullopt;
   strangers_[sender_of(datagram)] = {.heard = now, .knows_us = knows_us};
   return knows_us ? std::nullopt : std::optional<Pause>(kFirstRepetition);
+}
+
+bool AnnouncementRepetition::has_room(Time now) {
+  if (strangers_.size() < kManyStrangers) return true;
+  if (now - made_room_ < kBetweenLooks) return false;
+  made_room_ = now;
+  std::erase_if(strangers_,
+                [&](const auto& one) { return now - one.second.heard > kStrangerForgotten; });
+  return strangers_.size() < kManyStrangers;
 }
 
 std::optional<AnnouncementRepetition::Due> AnnouncementRepetition::again(

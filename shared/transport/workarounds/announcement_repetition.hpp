@@ -58,11 +58,14 @@ class AnnouncementRepetition {
     int tries = 0;
   };
 
+  bool has_room(Time now);
+
   const int max_copies_;
   std::atomic<bool> is_known_ = false;
   std::atomic<int> tries_to_all_ = 0;
   std::mutex mutex_;
   std::map<GuidPrefix, Stranger> strangers_;  // guarded by mutex_
+  Time made_room_{};                          // guarded by mutex_
 };
 
 }  // namespace fleetloc

@@ -318,6 +318,12 @@ std::string_view name(RtpsDefect defect) {
       return "statistics";
     case RtpsDefect::kTooManyGaps:
       return "too_many_gaps";
+    case RtpsDefect::kForeignGuid:
+      return "foreign_guid";
+    case RtpsDefect::kTooManySenders:
+      return "too_many_senders";
+    case RtpsDefect::kFarAhead:
+      return "far_ahead";
     case RtpsDefect::kProtection:
       return "protection";
   }

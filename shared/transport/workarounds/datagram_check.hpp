@@ -22,9 +22,12 @@ enum class RtpsDefect : std::uint8_t {
   kInvalidSubmessage,  ///< its fields contradict each other, or its length
   kStatistics,         ///< those of Fast DDS where it does not put them
   kTooManyGaps,        ///< see GapBudget
+  kForeignGuid,        ///< in the name of a participant that is elsewhere, see KnownSenders
+  kTooManySenders,     ///< of an address, or of all
+  kFarAhead,           ///< a number that its writer cannot have reached yet, see SequenceBounds
   kProtection  ///< of DDS Security: its submessages in another order, or not as long as they say
 };
-inline constexpr std::size_t kRtpsDefects = 8;
+inline constexpr std::size_t kRtpsDefects = 11;
 std::string_view name(RtpsDefect defect);
 
 /// What is taken beside what the grammar says.

@@ -103,5 +103,19 @@ TEST_F(AnnouncementRepetitionTest, IsOfAnnouncementsAlone) {
   EXPECT_TRUE(hear(announced_by()));
 }
 
+TEST_F(AnnouncementRepetitionTest, RemembersNoMoreThanManyAndThoseThatItKnowsAreStillHeard) {
+  ASSERT_TRUE(hear(announced_by()));
+  int new_ones = 1;
+  for (int i = 0; i < 20'000; ++i) {
+    const GuidPrefix somebody{
+        1, 15, 9, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i)};
+    new_ones += hear(announced_by(somebody)) ? 1 : 0;
+  }
+  EXPECT_EQ(new_ones, 8192);
+  EXPECT_TRUE(repetition_.again(kOther));
+  now_ += minutes(11);
+  EXPECT_TRUE(hear(announced_by({1, 15, 10}))) << "the others are forgotten";
+}
+
 }  // namespace
 }  // namespace fleetloc
