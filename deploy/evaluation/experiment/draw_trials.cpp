@@ -25,7 +25,8 @@ std::uint64_t read_trial_seed(ConfigReader& section) {
 
 std::array<double, 2> read_range(ConfigReader& section, const std::string& key) {
   const auto range = section.get<std::vector<double>>(key);
-  if (range.size() != 2 || !(range[0] >= 0.0 && range[0] <= range[1] && range[1] <= kLongestDrive_s)) {
+  if (range.size() != 2 ||
+      !(range[0] >= 0.0 && range[0] <= range[1] && range[1] <= kLongestDrive_s)) {
     section.fail(key, "must be [least, most] in seconds, from 0 to 1e6");
   }
   return {range[0], range[1]};
