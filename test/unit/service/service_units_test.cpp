@@ -1,7 +1,10 @@
 #include <fstream>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
@@ -11,11 +14,15 @@ namespace {
 
 const std::string kDeploy = FLEETLOC_SOURCE_DIR "/deploy/";
 
-/// Settings of a unit of systemd; of several of one name the last.
+/// Settings of a unit of systemd or of its environment; of several of one name the last.
 std::map<std::string, std::string> settings_of(const std::string& unit) {
   std::ifstream file(kDeploy + "packages/" + unit);
   std::map<std::string, std::string> settings;
   for (std::string line; std::getline(file, line);) {
+    for (std::string next; line.ends_with('\\') && std::getline(file, next);) {
+      line.pop_back();
+      line += next;
+    }
     const auto equals = line.find('=');
     if (line.starts_with('#') || equals == std::string::npos) continue;
     settings[line.substr(0, equals)] = line.substr(equals + 1);
@@ -25,6 +32,11 @@ std::map<std::string, std::string> settings_of(const std::string& unit) {
 
 double draining_s() {
   return YAML::LoadFile(kDeploy + "config/cloud.yaml")["pool"]["draining"]["max_s"].as<double>();
+}
+
+/// Where a value of the compose file is left to the environment (`${NAME:-value}`): that value.
+std::string by_default(const std::string& value) {
+  return std::regex_replace(value, std::regex(R"(\$\{\w+:-([^}]*)\})"), "$1");
 }
 
 /// Value of a key of a service of the compose file, or of what it takes over by `<<`.
@@ -44,6 +56,21 @@ TEST(ServiceUnits, AreWatchedRestartedIfTheyFailAndNotIfTheyCannotStart) {
     EXPECT_EQ(settings["RestartPreventExitStatus"], "2");
     EXPECT_EQ(settings["DynamicUser"], "yes");
     EXPECT_EQ(settings["ProtectSystem"], "strict");
+  }
+}
+
+TEST(ServiceUnits, TakeKeysThatOnlyRootCanRead) {
+  for (const std::string part : {"cloud", "robot"}) {
+    SCOPED_TRACE(part);
+    const std::string keys = "/etc/fleetloc/" + part + "-keys";
+    auto settings = settings_of("fleetloc-" + part + ".service");
+    EXPECT_EQ(settings["LoadCredential"], "keys:" + keys);
+    EXPECT_EQ(settings["RuntimeDirectoryMode"], "0700");
+    EXPECT_TRUE(settings["ExecStart"].starts_with("/usr/share/fleetloc/" + part + "/start " + part +
+                                                  " " + keys + " "))
+        << settings["ExecStart"];
+    EXPECT_EQ(settings["ExecStart"].find("--qos"), std::string::npos);
+    EXPECT_EQ(settings_of(part + ".env")["FLEETLOC_SECURITY"], "on");
   }
 }
 
@@ -72,6 +99,38 @@ TEST(ComposeFile, GivesNoContainerRightsOrANetworkBeyondTheFleets) {
     EXPECT_FALSE(setting_of(service.second, "ports"));
     EXPECT_FALSE(setting_of(service.second, "privileged"));
   }
+}
+
+TEST(ComposeFile, GivesWhoeverSpeaksDdsASecureProfileAndItsOwnKeysOnly) {
+  const YAML::Node compose = YAML::LoadFile(kDeploy + "docker/compose.yml");
+  std::set<std::string> members;
+  for (const auto& entry : compose["services"]) {
+    const auto name = entry.first.as<std::string>();
+    SCOPED_TRACE(name);
+    std::vector<std::string> mounts;
+    for (const auto& volume : setting_of(entry.second, "volumes")) {
+      const auto text = volume.as<std::string>();
+      if (text.find("FLEETLOC_KEYS") != std::string::npos) mounts.push_back(text);
+    }
+    const bool is_localizer = name.starts_with("localizer_");
+    if (!is_localizer && !name.starts_with("robot_")) {
+      EXPECT_TRUE(mounts.empty());
+      continue;
+    }
+    const YAML::Node environment = setting_of(entry.second, "environment");
+    const auto variable = [&](const char* key) {
+      return by_default(setting_of(environment, key).as<std::string>());
+    };
+    EXPECT_EQ(variable("FLEETLOC_SECURITY"), "on");
+    EXPECT_TRUE(variable("FLEETLOC_QOS").ends_with("/nbiot-secure-peers.xml"))
+        << variable("FLEETLOC_QOS");
+    const std::string folder = is_localizer ? "localizers/" + variable("FLEETLOC_NAME")
+                                            : "robots/" + variable("FLEETLOC_ROBOT_ID");
+    ASSERT_EQ(mounts.size(), 1U);
+    EXPECT_TRUE(mounts[0].ends_with("}/" + folder + ":/keys:ro")) << mounts[0];
+    members.insert(folder);
+  }
+  EXPECT_EQ(members.size(), 4U);
 }
 
 }  // namespace
