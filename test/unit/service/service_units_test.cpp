@@ -122,7 +122,7 @@ TEST(ComposeFile, GivesWhoeverSpeaksDdsASecureProfileAndItsOwnKeysOnly) {
       return by_default(setting_of(environment, key).as<std::string>());
     };
     EXPECT_EQ(variable("FLEETLOC_SECURITY"), "on");
-    EXPECT_TRUE(variable("FLEETLOC_QOS").ends_with("/nbiot-secure-peers.xml"))
+    EXPECT_TRUE(variable("FLEETLOC_QOS").ends_with("/lte-secure-peers.xml"))
         << variable("FLEETLOC_QOS");
     const std::string folder = is_localizer ? "localizers/" + variable("FLEETLOC_NAME")
                                             : "robots/" + variable("FLEETLOC_ROBOT_ID");
