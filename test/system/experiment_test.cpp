@@ -44,7 +44,7 @@ TEST_F(Experiment, MakesWhatItNeedsOnceAndKeepsWhatIsFinished) {
   EXPECT_THAT(first.output, HasSubstr("2 runs, 2 to be made"));
   const std::string results = content_of(out_ / "results.csv");
   EXPECT_EQ(std::ranges::count(results, '\n'), 3);
-  EXPECT_THAT(results, HasSubstr("\nautumn,quad,default,poor,2,0.01,0.1,"));
+  EXPECT_THAT(results, HasSubstr("\nautumn,quad,default,poor,2,0,0.01,0.1,"));
   EXPECT_THAT(content_of(out_ / "report.html"),
               AllOf(HasSubstr("<svg"), HasSubstr("aligned once"), Not(HasSubstr("{{"))));
 
