@@ -161,10 +161,12 @@ Pose FirstPlace::in_map(const FoundPlace& place) const {
 std::optional<Pose> FirstPlace::decide() {
   is_running_ = false;
   hypotheses_.keep_likely();
-  ambiguous_ = hypotheses_.places();
-  places_left_ = ambiguous_.size();
+  const std::vector<PlaceHypotheses::Place>& places = hypotheses_.places();
+  places_left_ = places.size();
+  ambiguous_.clear();
+  if (places_left_ > 1) ambiguous_ = places;
   if (places_left_ != 1) return std::nullopt;
-  if (is_whole_) return ambiguous_.front().T_map_odom;
+  if (is_whole_) return places.front().T_map_odom;
   searched_at_m_.reset();
   return std::nullopt;
 }

@@ -93,9 +93,9 @@ class FirstPlace {
   /// Whether a search, or the alignment of places that are followed, has begun and not ended.
   [[nodiscard]] bool is_running() const { return is_running_; }
 
-  /// Places that could not be told apart so far, more than one, if they are few enough to be
-  /// followed.
-  [[nodiscard]] bool is_ambiguous() const { return ambiguous_.size() > 1; }
+  /// Places that could not be told apart so far, if there are several, and few enough to be
+  /// followed; the likeliest first.
+  [[nodiscard]] bool is_ambiguous() const { return !ambiguous_.empty(); }
   [[nodiscard]] const std::vector<PlaceHypotheses::Place>& ambiguous() const { return ambiguous_; }
 
   /// That the last search could not tell apart, as far as it had come; 0 if none has ended.

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "cloud/localizer/map_match.hpp"
@@ -22,7 +20,7 @@ class PlaceHypotheses {
     double sigma_tilt_rad;  ///< of the odometry's vertical axis
     double same_m;          ///< places nearer than this and
     double same_rad;        ///< turned by less than this are one
-    double min_log_odds;    ///< against the best one; with less a place is given up
+    double min_log_odds;    ///< of the best one against a place that is given up
     int rays;               ///< to landmarks, evenly sampled, that must be free
     double blocked_score;   ///< of a ray that is not, as a score of RigidAlignment
   };

@@ -150,8 +150,7 @@ void SessionLocalizer::start_at(const Pose& T_map_odom) {
 }
 
 std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
-  const bool is_ambiguous = first_place_ && first_place_->is_ambiguous();
-  return is_ambiguous ? first_place_->ambiguous() : std::vector<PlaceHypotheses::Place>{};
+  return first_place_ ? first_place_->ambiguous() : std::vector<PlaceHypotheses::Place>{};
 }
 
 void SessionLocalizer::give_up_found_start() {
