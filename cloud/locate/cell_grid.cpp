@@ -2,19 +2,52 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace fleetloc {
 
-CellGrid::CellGrid(const Eigen::Vector3i& min, const Eigen::Vector3i& max)
-    : min_(min), max_(max), size_{} {
-  std::size_t count = 1;
+namespace {
+
+std::array<std::uint32_t, 3> size_in_bricks(const Eigen::Vector3i& min,
+                                            const Eigen::Vector3i& max) {
+  constexpr std::int64_t kEdge = CellGrid::kEdge;
+  std::array<std::uint32_t, 3> size{};
   for (int axis = 0; axis < 3; ++axis) {
-    const auto cells = static_cast<std::uint32_t>(std::max(0, max(axis) - min(axis)));
-    size_[static_cast<std::size_t>(axis)] = (cells + kEdge - 1) / kEdge;
-    count *= size_[static_cast<std::size_t>(axis)];
+    const std::int64_t cells = std::max<std::int64_t>(0, std::int64_t{max(axis)} - min(axis));
+    size[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>((cells + kEdge - 1) / kEdge);
   }
-  directory_.assign(count, 0);
-  bricks_.emplace_back();
+  return size;
+}
+
+std::size_t product(const std::array<std::uint32_t, 3>& size) {
+  return std::size_t{size[0]} * size[1] * size[2];
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const Eigen::Vector3i& min, const Eigen::Vector3i& max)
+    : min_(min),
+      max_(max),
+      size_(size_in_bricks(min, max)),
+      directory_(product(size_), 0),
+      bricks_(1) {}
+
+std::optional<CellGrid> CellGrid::of_parts(const Eigen::Vector3i& min,
+                                           const Eigen::Vector3i& max,
+                                           std::vector<std::uint32_t> directory,
+                                           std::vector<Brick> bricks) {
+  const std::array<std::uint32_t, 3> size = size_in_bricks(min, max);
+  const auto exists = [&](std::uint32_t brick) { return brick < bricks.size(); };
+  if (directory.size() != product(size) || !std::ranges::all_of(directory, exists)) {
+    return std::nullopt;
+  }
+  CellGrid grid;
+  grid.min_ = min;
+  grid.max_ = max;
+  grid.size_ = size;
+  grid.directory_ = std::move(directory);
+  grid.bricks_ = std::move(bricks);
+  return grid;
 }
 
 void CellGrid::raise(const Eigen::Vector3i& cell, std::uint8_t value) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,9 +19,18 @@ inline Eigen::Vector3i floored(const Eigen::Vector3d& p) {
 /// 8 x 8. Cells outside of the box are zero, too.
 class CellGrid {
  public:
+  static constexpr std::uint32_t kEdge = 8;  // of a brick [cells]
+  using Brick = std::array<std::uint8_t, kEdge * kEdge * kEdge>;
+
   CellGrid() : CellGrid(Eigen::Vector3i::Zero(), Eigen::Vector3i::Zero()) {}
   /// @param min,max  the first cell, and the one after the last, of each axis
   CellGrid(const Eigen::Vector3i& min, const Eigen::Vector3i& max);
+  /// What directory() and bricks() have returned.
+  /// @return nothing if they are not of one grid with these bounds
+  static std::optional<CellGrid> of_parts(const Eigen::Vector3i& min,
+                                          const Eigen::Vector3i& max,
+                                          std::vector<std::uint32_t> directory,
+                                          std::vector<Brick> bricks);
 
   [[nodiscard]] std::uint8_t at(int x, int y, int z) const {
     const auto ix = static_cast<std::uint32_t>(x - min_.x());
@@ -52,12 +62,12 @@ class CellGrid {
 
   [[nodiscard]] const Eigen::Vector3i& min() const { return min_; }
   [[nodiscard]] const Eigen::Vector3i& max() const { return max_; }
+  /// Of each brick of the box its number in bricks(), x fastest.
+  [[nodiscard]] const std::vector<std::uint32_t>& directory() const { return directory_; }
+  [[nodiscard]] const std::vector<Brick>& bricks() const { return bricks_; }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  static constexpr std::uint32_t kEdge = 8;  // [cells]
-  using Brick = std::array<std::uint8_t, kEdge * kEdge * kEdge>;
-
   [[nodiscard]] Eigen::Vector3i corner_of(std::uint32_t entry) const;
   [[nodiscard]] static Eigen::Vector3i within(std::uint32_t k);
 

@@ -1,9 +1,11 @@
 #include "cloud/locate/ground_heights.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <utility>
 
 namespace fleetloc {
 namespace {
@@ -39,6 +41,15 @@ GroundHeights::GroundHeights(const LaserMap& map, double level_from) {
   }
   widen_lowest();
   fill_gaps();
+}
+
+GroundHeights::GroundHeights(const Eigen::Vector2d& min_map,
+                             int width,
+                             int depth,
+                             std::vector<float> heights)
+    : min_map_(min_map), width_(width), depth_(depth), heights_(std::move(heights)) {
+  assert(width > 0 && depth > 0);
+  assert(heights_.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(depth));
 }
 
 std::size_t GroundHeights::index(double x_m, double y_m) const {

@@ -15,9 +15,17 @@ class GroundHeights {
  public:
   /// @param level_from  vertical part of a unit normal; above it a surface is level
   GroundHeights(const LaserMap& map, double level_from);
+  /// Of cells from the corner `min_map` [m] on, x fastest.
+  /// @param heights  [m], as heights() has returned them: width x depth, both from 1
+  GroundHeights(const Eigen::Vector2d& min_map, int width, int depth, std::vector<float> heights);
 
   /// [m]; beyond the map that at its edge, zero in a map without level surfaces.
   [[nodiscard]] double at(double x_m, double y_m) const;
+
+  [[nodiscard]] const Eigen::Vector2d& min_map() const { return min_map_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int depth() const { return depth_; }
+  [[nodiscard]] const std::vector<float>& heights() const { return heights_; }
 
   [[nodiscard]] std::size_t bytes() const { return heights_.size() * sizeof(float); }
 

@@ -115,9 +115,18 @@ MapPyramid::MapPyramid(const LaserMap& map, const Config& config)
     : cell_m_(config.cell_m),
       ground_(map, config.level_from),
       values_(values_of(map, ground_, config)) {
-  windows_.reserve(static_cast<std::size_t>(config.levels));
+  make_windows(config.levels);
+}
+
+MapPyramid::MapPyramid(GroundHeights ground, CellGrid values, const Config& config)
+    : cell_m_(config.cell_m), ground_(std::move(ground)), values_(std::move(values)) {
+  make_windows(config.levels);
+}
+
+void MapPyramid::make_windows(int levels) {
+  windows_.reserve(static_cast<std::size_t>(levels));
   add_columns();
-  for (int level = 1; level < config.levels; ++level) {
+  for (int level = 1; level < levels; ++level) {
     std::vector<Window> next;
     for (int slab = 0; slab <= any_height(); ++slab) next.push_back(doubled(level - 1, slab));
     windows_.push_back(std::move(next));

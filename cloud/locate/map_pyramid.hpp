@@ -30,6 +30,8 @@ class MapPyramid {
 
   /// Level surfaces are left out: the ground is everywhere.
   MapPyramid(const LaserMap& map, const Config& config);
+  /// Of ground() and values() of one that was made of a map: only the windows are made anew.
+  MapPyramid(GroundHeights ground, CellGrid values, const Config& config);
 
   [[nodiscard]] double cell_m() const { return cell_m_; }
   [[nodiscard]] int levels() const { return static_cast<int>(windows_.size()); }
@@ -39,6 +41,7 @@ class MapPyramid {
   /// Of a cell: kFull with a surface, less beside one.
   [[nodiscard]] std::uint8_t value(int x, int y, int z) const { return values_.at(x, y, z); }
 
+  [[nodiscard]] const CellGrid& values() const { return values_; }
   [[nodiscard]] const GroundHeights& ground() const { return ground_; }
 
   /// Columns are cut into slabs, so that what is known of a height makes bounds tighter. Of a cell
@@ -73,6 +76,7 @@ class MapPyramid {
 
   static constexpr int kSlab = 4;  // [cells]
 
+  void make_windows(int levels);
   void add_columns();
   [[nodiscard]] Window doubled(int level, int slab) const;
 

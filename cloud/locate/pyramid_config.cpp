@@ -1,6 +1,9 @@
 #include "cloud/locate/pyramid_config.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "cloud/locate/pyramid_file.hpp"
 
 namespace fleetloc {
 
@@ -14,13 +17,23 @@ PyramidConfig read_pyramid_config(ConfigReader section) {
   return config;
 }
 
-std::shared_ptr<const MapPyramid> make_pyramid(const LaserMap& map, const PyramidConfig& config) {
-  const double side_m = (map.info().max - map.info().min).head<2>().maxCoeff();
+MapPyramid::Config pyramid_cells(const MapInfo& map, const PyramidConfig& config) {
+  const double side_m = (map.max - map.min).head<2>().maxCoeff();
   const double cell_m = std::clamp(side_m / config.cells, config.min_cell_m, config.max_cell_m);
-  return std::make_shared<const MapPyramid>(
-      map,
-      MapPyramid::Config{
-          .cell_m = cell_m, .levels = config.levels, .level_from = config.level_from});
+  return {.cell_m = cell_m, .levels = config.levels, .level_from = config.level_from};
+}
+
+std::shared_ptr<const MapPyramid> make_pyramid(const LaserMap& map, const PyramidConfig& config) {
+  return std::make_shared<const MapPyramid>(map, pyramid_cells(map.info(), config));
+}
+
+PreparedPyramid prepare_pyramid(const LaserMap& map,
+                                const std::filesystem::path& pcd_file,
+                                const PyramidConfig& config) {
+  const MapInfo& info = map.info();
+  auto stored = load_pyramid(pyramid_file(pcd_file), info.hash, pyramid_cells(info, config));
+  if (!stored) return {make_pyramid(map, config), std::move(stored.error())};
+  return {std::make_shared<const MapPyramid>(std::move(*stored)), {}};
 }
 
 }  // namespace fleetloc

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "cloud/locate/pyramid_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
 #include "shared/core/boot_time.hpp"
 #include "shared/transport/monitoring/monitor_profiles.hpp"
@@ -51,6 +52,21 @@ std::uint32_t domain_with_profiles(const CloudNodeOptions& options) {
   return options.domain;
 }
 
+std::shared_ptr<const MapPyramid> pyramid_of(const LaserMap& map,
+                                             const CloudNodeOptions& options,
+                                             const PyramidConfig& config) {
+  PreparedPyramid prepared = prepare_pyramid(map, options.map, config);
+  if (!prepared.why_made.empty()) {
+    spdlog::info(
+        "{}: {} {}, so that it was made at this start: 'fleetloc-map pyramid {}' stores it",
+        options.name,
+        pyramid_file(options.map).string(),
+        prepared.why_made,
+        options.map.string());
+  }
+  return prepared.pyramid;
+}
+
 }  // namespace
 
 CloudNode::CloudNode(const CloudNodeOptions& options,
@@ -65,7 +81,7 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
             incarnation_of_this_start(),
             map_,
             config.pool,
-            make_pyramid(*map_, config.pool.pyramid)),
+            pyramid_of(*map_, options, config.pool.pyramid)),
       fleet_(domain_with_profiles(options), options.keys) {
   if (!options.out.empty()) {
     std::filesystem::remove(options.out / kSessions);  // of the start before

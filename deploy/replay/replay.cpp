@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "cloud/locate/pyramid_config.hpp"
 #include "deploy/faults/fault_injector.hpp"
 #include "deploy/replay/align_once.hpp"
 #include "deploy/replay/localizer_decorator.hpp"
@@ -60,8 +61,10 @@ class Cloud final : public Localization {
   Cloud(const ReplayOptions& options, const ReplayConfig& config)
       : network_(options.link),
         robot_end_(robot_end(network_, options)),
+        map_(std::make_shared<const LaserMap>(load_map(*options.map))),
         cloud_(network_,
-               std::make_shared<const LaserMap>(load_map(*options.map)),
+               map_,
+               prepare_pyramid(*map_, *options.map, config.pool.pyramid).pyramid,
                {.pool = config.pool,
                 .localization_time = from_seconds(config.durations.localization_s),
                 .cpu_clock = thread_cpu_time},
@@ -75,6 +78,7 @@ class Cloud final : public Localization {
  private:
   MemoryNetwork network_;
   std::unique_ptr<Channel> robot_end_;
+  std::shared_ptr<const LaserMap> map_;
   SimulatedLocalizers cloud_;
   CloudClient client_;
   SimulatedClient localizer_;

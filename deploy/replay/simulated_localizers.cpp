@@ -13,11 +13,12 @@ constexpr Duration kGoodbye = std::chrono::milliseconds(300);  // as fleetloc-cl
 
 SimulatedLocalizers::SimulatedLocalizers(MemoryNetwork& network,
                                          std::shared_ptr<const LaserMap> map,
+                                         std::shared_ptr<const MapPyramid> pyramid,
                                          Config config,
                                          LocalizerPlan plan)
     : network_(network),
       map_(std::move(map)),
-      pyramid_(make_pyramid(*map_, config.pool.pyramid)),
+      pyramid_(std::move(pyramid)),
       config_(std::move(config)),
       plan_(std::move(plan)) {}
 

@@ -26,6 +26,7 @@ class SimulatedLocalizers {
 
   SimulatedLocalizers(MemoryNetwork& network,
                       std::shared_ptr<const LaserMap> map,
+                      std::shared_ptr<const MapPyramid> pyramid,
                       Config config,
                       LocalizerPlan plan);
 

@@ -12,6 +12,8 @@
 #include "cloud/laser_map/build_map.hpp"
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/laser_map/map_hash.hpp"
+#include "cloud/locate/pyramid_config.hpp"
+#include "cloud/locate/pyramid_file.hpp"
 #include "cloud/mapping/merge_sessions.hpp"
 #include "cloud/point_cloud/point_cloud_file.hpp"
 #include "deploy/config/default_config.hpp"
@@ -68,6 +70,23 @@ LaserMap map_of(std::vector<Eigen::Vector3f> points,
   return map;
 }
 
+constexpr double kMegabyte = 1e6;
+
+/// map.pyramid beside map.pcd: localizers search in it for robots that do not know where they are.
+void store_pyramid(const LaserMap& map,
+                   const std::filesystem::path& map_file,
+                   const PyramidConfig& config) {
+  const MapPyramid::Config cells = pyramid_cells(map.info(), config);
+  const MapPyramid pyramid(map, cells);
+  const auto file = pyramid_file(map_file);
+  save_pyramid(pyramid, cells, map.info().hash, file);
+  const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) / kMegabyte; };
+  std::cout << "pyramid      cells of " << cells.cell_m << " m, "
+            << megabytes(std::filesystem::file_size(file)) << " MB stored, "
+            << megabytes(pyramid.bytes()) << " MB in memory, the points of the map "
+            << megabytes(map.size() * sizeof(MapPoint)) << " MB\n";
+}
+
 void save(const LaserMap& map, const std::filesystem::path& out) {
   if (out.has_parent_path()) std::filesystem::create_directories(out.parent_path());
   save_map(map, out);
@@ -93,31 +112,37 @@ MergedSessions merged(const std::vector<SurveySession>& sessions, const MappingC
       });
 }
 
-Program::Run prepare_build_of_cloud(const BuildOptions& options, const MapConfig& config) {
+struct BuildConfig {
+  MapConfig map;
+  MappingConfig mapping;
+  PyramidConfig pyramid;
+};
+
+Program::Run prepare_build_of_cloud(const BuildOptions& options, const BuildConfig& config) {
   return [points = read_points(options.cloud), options, config] {
-    const LaserMap map = map_of(points, options, config);
+    const LaserMap map = map_of(points, options, config.map);
     save(map, options.out);
     std::cout << "points read  " << points.size() << '\n';
     print(map);
+    store_pyramid(map, options.out, config.pyramid);
     return kSuccess;
   };
 }
 
-Program::Run prepare_build_of_datasets(const BuildOptions& options,
-                                       const MapConfig& map_config,
-                                       const MappingConfig& config) {
+Program::Run prepare_build_of_datasets(const BuildOptions& options, const BuildConfig& config) {
   auto sessions = std::make_shared<std::vector<SurveySession>>();
   for (const std::string& dataset : options.datasets) {
-    sessions->emplace_back(dataset, config.max_gap);
+    sessions->emplace_back(dataset, config.mapping.max_gap);
   }
-  return [sessions, options, map_config, config] {
-    MergedSessions merge = merged(*sessions, config);
-    const MapConfig as_merged = at_resolution(map_config, merge.report.voxel_m);
+  return [sessions, options, config] {
+    MergedSessions merge = merged(*sessions, config.mapping);
+    const MapConfig as_merged = at_resolution(config.map, merge.report.voxel_m);
     const LaserMap map = map_of(std::exchange(merge.points_map, {}), options, as_merged);
     save(map, options.out);
     write_report(merge.report, options.out);
     std::cout << report_text(merge.report);
     print(map);
+    store_pyramid(map, options.out, config.pyramid);
     return kSuccess;
   };
 }
@@ -133,9 +158,11 @@ Program::Run prepare_build(const BuildOptions& options, const Program& program) 
       !area.empty() && !(area[0] < area[2] && area[1] < area[3])) {
     throw std::invalid_argument("--without: must be X_MIN Y_MIN X_MAX Y_MAX with room between");
   }
-  const MapConfig map = read_map_config(program.config().section("map"));
-  if (!options.cloud.empty()) return prepare_build_of_cloud(options, map);
-  return prepare_build_of_datasets(options, map, read_mapping_config(program.config()));
+  const BuildConfig config{.map = read_map_config(program.config().section("map")),
+                           .mapping = read_mapping_config(program.config()),
+                           .pyramid = read_pyramid_config(program.config().section("pyramid"))};
+  return options.cloud.empty() ? prepare_build_of_datasets(options, config)
+                               : prepare_build_of_cloud(options, config);
 }
 
 }  // namespace
@@ -166,11 +193,24 @@ int main(int argc, char** argv) {
     CLI::App* info_command =
         app.add_subcommand("info", "Check a map and describe it")->fallthrough();
     info_command->add_option("map", shown, "map.pcd")->required();
+    CLI::App* pyramid_command =
+        app.add_subcommand("pyramid",
+                           "Store map.pyramid beside a map that has none, or with other values of "
+                           "the configuration: localizers then start sooner")
+            ->fallthrough();
+    pyramid_command->add_option("map", shown, "map.pcd")->required();
     return program.run(argc, argv, [&]() -> Program::Run {
       if (build_command->parsed()) {
         return prepare_build(options, program);
       }
-      return [map = std::make_shared<const LaserMap>(load_map(shown))] {
+      const auto map = std::make_shared<const LaserMap>(load_map(shown));
+      if (pyramid_command->parsed()) {
+        return [map, shown, config = read_pyramid_config(program.config().section("pyramid"))] {
+          store_pyramid(*map, shown, config);
+          return static_cast<int>(kSuccess);
+        };
+      }
+      return [map] {
         print(*map);
         return static_cast<int>(kSuccess);
       };
