@@ -33,15 +33,15 @@ std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& s
 }
 
 bool FirstPlace::is_due(double way_m, double travelled_m) const {
-  if (is_running_ || way_m < config_.min_way_m) return false;
+  if (is_running_ || way_m < config_.min_way_cells * cell_m()) return false;
   return is_search_due(travelled_m) ||
-         (is_ambiguous() && travelled_m - followed_at_m_ >= config_.follow_way_m);
+         (is_ambiguous() && travelled_m - followed_at_m_ >= config_.follow_way_cells * cell_m());
 }
 
 bool FirstPlace::is_search_due(double travelled_m) const {
   if (!searched_at_m_) return true;
-  const double way_m = is_ambiguous() ? config_.ambiguous_way_m : config_.next_way_m;
-  return travelled_m - *searched_at_m_ >= way_m;
+  const double way_cells = is_ambiguous() ? config_.ambiguous_way_cells : config_.next_way_cells;
+  return travelled_m - *searched_at_m_ >= way_cells * cell_m();
 }
 
 void FirstPlace::begin(View view, double travelled_m) {
@@ -53,12 +53,10 @@ void FirstPlace::begin(View view, double travelled_m) {
 }
 
 void FirstPlace::begin_search(double travelled_m) {
-  std::vector<SeenLandmark> seen;
-  for (const WindowLandmark& landmark : hypotheses_.view().landmarks) {
-    if (max_sigma(landmark.covariance) > config_.max_sigma_m) continue;
-    seen.push_back({.p = landmark.p_map, .viewpoint = landmark.viewpoint_map});
-  }
-  auto standing = evenly(above_ground(seen, config_.ground), config_.max_landmarks);
+  const std::vector<SeenLandmark> seen = certain_landmarks();
+  auto standing =
+      evenly(spread_out(above_ground(seen, config_.ground), config_.spacing_cells * cell_m()),
+             config_.max_landmarks);
   if (standing.size() < static_cast<std::size_t>(config_.min_landmarks)) return;
   SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
   if (region_) restrict_to_region(standing, region);
@@ -70,6 +68,20 @@ void FirstPlace::begin_search(double travelled_m) {
                                       .min_share = config_.min_share,
                                       .same_m = config_.hypotheses.same_m,
                                       .same_rad = config_.hypotheses.same_rad});
+}
+
+// The most certain first.
+std::vector<SeenLandmark> FirstPlace::certain_landmarks() const {
+  std::vector<std::pair<double, SeenLandmark>> seen;
+  for (const WindowLandmark& landmark : hypotheses_.view().landmarks) {
+    const double sigma_m = max_sigma(landmark.covariance);
+    if (sigma_m > config_.max_sigma_cells * cell_m()) continue;
+    seen.push_back({sigma_m, {.p = landmark.p_map, .viewpoint = landmark.viewpoint_map}});
+  }
+  std::ranges::stable_sort(seen, {}, &std::pair<double, SeenLandmark>::first);
+  std::vector<SeenLandmark> result;
+  for (auto& [sigma_m, landmark] : seen) result.push_back(landmark);
+  return result;
 }
 
 void FirstPlace::begin_anew() {
@@ -93,6 +105,7 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
   for (SeenLandmark& landmark : landmarks) {
     const double ground_m = camera_height_m ? landmark.viewpoint.z() - *camera_height_m : 0.0;
     landmark.p.z() -= ground_m;
+    if (camera_height_m && landmark.p.z() > config_.low_m) landmark.weight = config_.high_weight;
     mean_m += landmark.p.z() / static_cast<double>(landmarks.size());
     const double from_body_m = (landmark.viewpoint - hypotheses_.view().T_odom_body.p).norm();
     if (from_body_m < nearest_m) view_ground_m_ = ground_m;
@@ -137,16 +150,28 @@ void FirstPlace::search() {
   const bool is_too_long =
       search_->evaluations() > static_cast<std::size_t>(config_.max_evaluations);
   const bool are_too_many = places.size() > static_cast<std::size_t>(config_.max_places);
-  if (has_ended ? are_too_many : is_too_long) return give_up();
-  if (!has_ended) return;
+  if (!has_ended && !is_too_long) return;
+  note_explained();
+  if (!has_ended || are_too_many) return give_up();
   for (const FoundPlace& place : places) hypotheses_.add(in_map(place));
   search_.reset();
 }
 
-// What fits too many places is looked for again when more has been seen.
+void FirstPlace::note_explained() {
+  const std::vector<FoundPlace>& places = search_->places();
+  explained_ = places.empty() ? search_->max_score_of_rest() : places.front().score;
+  ++searches_;
+}
+
+// What fits too many places, or none, is looked for again when more has been seen. Places that were
+// followed until then still are.
 void FirstPlace::give_up() {
-  places_left_ = search_->places().size();
-  stop();
+  if (!hypotheses_.are_waiting()) {
+    places_left_ = search_->places().size();
+    return stop();
+  }
+  search_.reset();
+  is_whole_ = false;
 }
 
 // From the height above the ground to that in the map: of the ground where the robot is.
@@ -167,7 +192,8 @@ std::optional<Pose> FirstPlace::decide() {
   if (places_left_ > 1) ambiguous_ = places;
   if (places_left_ != 1) return std::nullopt;
   if (is_whole_) return places.front().T_map_odom;
-  searched_at_m_.reset();
+  const bool was_given_up = searched_at_m_ == followed_at_m_;
+  if (!was_given_up) searched_at_m_.reset();
   return std::nullopt;
 }
 
@@ -177,13 +203,17 @@ FirstPlace::Config read_first_place_config(ConfigReader section) {
           .hypotheses = read_place_hypotheses_config(section.section("hypotheses")),
           .max_places = section.integer("max_places", 1, 1000),
           .min_share = section.number("min_share", 0.0, 1.0),
+          .min_explained = section.number("min_explained", 0.0, 1.0),
+          .spacing_cells = section.positive("spacing_cells"),
+          .max_sigma_cells = section.positive("max_sigma_cells"),
+          .low_m = section.number("low_m", 0.0, 100.0),
+          .high_weight = section.integer("high_weight", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
           .min_landmarks = section.integer("min_landmarks", 3, 10000),
-          .max_sigma_m = section.positive("max_sigma_m"),
-          .min_way_m = section.positive("min_way_m"),
-          .next_way_m = section.positive("next_way_m"),
-          .ambiguous_way_m = section.positive("ambiguous_way_m"),
-          .follow_way_m = section.positive("follow_way_m"),
+          .min_way_cells = section.positive("min_way_cells"),
+          .next_way_cells = section.positive("next_way_cells"),
+          .ambiguous_way_cells = section.positive("ambiguous_way_cells"),
+          .follow_way_cells = section.positive("follow_way_cells"),
           .turn_evaluations = section.integer("turn_evaluations", 1, 1'000'000'000),
           .max_evaluations = section.integer("max_evaluations", 1, 2'000'000'000),
           .known_m = section.positive("known_m"),

@@ -29,19 +29,24 @@ class FirstPlace {
     GroundConfig ground;
     FreeSpace::Config free_space;
     PlaceHypotheses::Config hypotheses;
-    int max_places;          ///< that are aligned; if there are more, none is certain
-    double min_share;        ///< of the best place's score in PlaceSearch
-    int max_landmarks;       ///< are looked for, evenly sampled
-    int min_landmarks;       ///< above the ground: fewer say nothing
-    double max_sigma_m;      ///< of a landmark
-    double min_way_m;        ///< driven in the window
-    double next_way_m;       ///< driven from one search to the next,
-    double ambiguous_way_m;  ///< the same while places are followed,
-    double follow_way_m;     ///< and from one of their alignments to the next
-    int turn_evaluations;    ///< of a landmark, in a turn
-    int max_evaluations;     ///< in a search; then it is given up
-    double known_m;          ///< sigmas of a start pose: up to both
-    double known_rad;        ///< of them nothing is searched
+    int max_places;        ///< that are aligned; if there are more, none is certain
+    double min_share;      ///< of the best place's score in PlaceSearch
+    double min_explained;  ///< share of the landmarks; with less the robot is not in the map
+    /// What follows in cells is relative to those of the pyramid: smaller in a room.
+    double spacing_cells;        ///< of landmarks: what stands together is one witness
+    double max_sigma_cells;      ///< of a landmark
+    double low_m;                ///< above the ground; lower things may be gone, such as vehicles
+    int high_weight;             ///< of the higher ones, that of the lower ones is 1
+    int max_landmarks;           ///< are looked for, evenly sampled
+    int min_landmarks;           ///< above the ground: fewer say nothing
+    double min_way_cells;        ///< driven in the window
+    double next_way_cells;       ///< driven from one search to the next,
+    double ambiguous_way_cells;  ///< the same while places are followed,
+    double follow_way_cells;     ///< and from one of their alignments to the next
+    int turn_evaluations;        ///< of a landmark, in a turn
+    int max_evaluations;         ///< in a search; then it is given up
+    double known_m;              ///< sigmas of a start pose: up to both
+    double known_rad;            ///< of them nothing is searched
   };
 
   using View = PlaceHypotheses::View;
@@ -101,15 +106,28 @@ class FirstPlace {
   /// That the last search could not tell apart, as far as it had come; 0 if none has ended.
   [[nodiscard]] std::size_t places_left() const { return places_left_; }
 
+  /// That have ended or were given up.
+  [[nodiscard]] std::size_t searches() const { return searches_; }
+
+  /// Share of the landmarks that the best place of the latest search explains, or as much as any
+  /// place can if the search was given up before; 1 before the first search.
+  [[nodiscard]] double explained() const { return explained_; }
+
+  /// Whether no place explains enough of what was seen: the robot is not in the map, or not in the
+  /// region that was told.
+  [[nodiscard]] bool is_off_map() const { return explained_ < config_.min_explained; }
+
  private:
   [[nodiscard]] bool is_search_due(double travelled_m) const;
   void begin_search(double travelled_m);
+  [[nodiscard]] std::vector<SeenLandmark> certain_landmarks() const;
   /// Takes the landmarks' heights from odom to the ground below the camera that saw them.
   SearchRegion heights_above_ground(const std::optional<double>& camera_height_m,
                                     std::vector<SeenLandmark>& landmarks);
   void restrict_to_region(const std::vector<SeenLandmark>& landmarks, SearchRegion& region) const;
   [[nodiscard]] Pose in_map(const FoundPlace& place) const;
   void search();
+  void note_explained();
   void give_up();
   std::optional<Pose> decide();
 
@@ -126,6 +144,8 @@ class FirstPlace {
   std::optional<PlaceSearch> search_;  // until it has ended
   std::vector<PlaceHypotheses::Place> ambiguous_;
   std::size_t places_left_ = 0;
+  std::size_t searches_ = 0;
+  double explained_ = 1.0;
 };
 
 FirstPlace::Config read_first_place_config(ConfigReader section);

@@ -10,6 +10,7 @@
 namespace fleetloc {
 
 void PlaceHypotheses::see(View view) {
+  running_.reset();
   view_ = std::move(view);
   for (const Place& place : places_) waiting_.push_back(place.T_map_odom);
   places_.clear();
@@ -17,22 +18,38 @@ void PlaceHypotheses::see(View view) {
 
 void PlaceHypotheses::clear() {
   waiting_.clear();
+  running_.reset();
   places_.clear();
 }
 
 bool PlaceHypotheses::align_next() {
   if (waiting_.empty()) return false;
-  const Pose T_map_odom = waiting_.back();
-  waiting_.pop_back();
+  if (!running_) begin_alignment();
+  for (int i = 0; i < config_.turn_starts; ++i) {
+    if (running_->advance()) continue;
+    end_alignment();
+    break;
+  }
+  return true;
+}
+
+void PlaceHypotheses::begin_alignment() {
+  const Pose& T_map_odom = waiting_.back();
   const Pose T_map_body = T_map_odom * view_.T_odom_body;
   const PoseWithCovariance prior{T_map_body, prior_covariance(T_map_body)};
-  const auto aligned = alignment_.align(moved(view_.landmarks, T_map_odom), prior, gates_);
+  running_.emplace(alignment_, moved(view_.landmarks, T_map_odom), prior, gates_);
+}
+
+void PlaceHypotheses::end_alignment() {
+  const Pose& T_map_odom = waiting_.back();
+  const RigidAlignment::Result aligned = running_->result();
   Place place{.T_map_odom = aligned.T_new_old * T_map_odom,
-              .T_map_body = aligned.T_new_old * T_map_body,
+              .T_map_body = aligned.T_new_old * (T_map_odom * view_.T_odom_body),
               .score = aligned.score};
   place.score += config_.blocked_score * blocked_rays(place.T_map_odom);
   places_.push_back(place);
-  return true;
+  waiting_.pop_back();
+  running_.reset();
 }
 
 void PlaceHypotheses::keep_likely() {
@@ -78,7 +95,8 @@ PlaceHypotheses::Config read_place_hypotheses_config(ConfigReader section) {
           .same_rad = section.positive("same_rad"),
           .min_log_odds = section.positive("min_log_odds"),
           .rays = section.integer("rays", 1, 10000),
-          .blocked_score = section.number("blocked_score", 0.0, 1000.0)};
+          .blocked_score = section.number("blocked_score", 0.0, 1000.0),
+          .turn_starts = section.integer("turn_starts", 1, 1000)};
 }
 
 }  // namespace fleetloc

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cloud/localizer/map_match.hpp"
@@ -23,6 +24,7 @@ class PlaceHypotheses {
     double min_log_odds;    ///< of the best one against a place that is given up
     int rays;               ///< to landmarks, evenly sampled, that must be free
     double blocked_score;   ///< of a ray that is not, as a score of RigidAlignment
+    int turn_starts;        ///< of an alignment, in a turn
   };
 
   /// What the robot has seen last, in odom.
@@ -52,8 +54,10 @@ class PlaceHypotheses {
   /// Another place, as far as it is known, which is to be aligned with the view.
   void add(const Pose& T_map_odom) { waiting_.push_back(T_map_odom); }
 
-  /// Aligns one of those that wait.
-  /// @return whether there was one
+  [[nodiscard]] bool are_waiting() const { return !waiting_.empty(); }
+
+  /// Goes on with the alignment of those that wait, one after another.
+  /// @return whether one was left
   bool align_next();
 
   /// Once all are aligned: keeps those of which the best one is not certain.
@@ -65,6 +69,8 @@ class PlaceHypotheses {
   [[nodiscard]] const std::vector<Place>& places() const { return places_; }
 
  private:
+  void begin_alignment();
+  void end_alignment();
   [[nodiscard]] Matrix6d prior_covariance(const Pose& T_map_body) const;
   [[nodiscard]] int blocked_rays(const Pose& T_map_odom) const;
   [[nodiscard]] bool is_same(const Place& one, const Place& other) const;
@@ -74,7 +80,8 @@ class PlaceHypotheses {
   FreeSpace free_space_;
   Config config_;
   View view_;
-  std::vector<Pose> waiting_;  // T_map_odom
+  std::vector<Pose> waiting_;                   // T_map_odom
+  std::optional<RigidAlignment::Run> running_;  // of the last one
   std::vector<Place> places_;
 };
 

@@ -107,28 +107,57 @@ RigidAlignment::Result RigidAlignment::align(const std::vector<WindowLandmark>& 
                                              const PoseWithCovariance& prior,
                                              const Gates& gates,
                                              const std::optional<Pose>& guess) const {
-  if (landmarks.empty()) return {};
-  const std::vector<WindowLandmark> some = evenly(landmarks, config_.max_landmarks);
+  Run run(*this, landmarks, prior, gates, guess);
+  while (run.advance()) continue;
+  return run.result();
+}
+
+RigidAlignment::Run::Run(const RigidAlignment& alignment,
+                         const std::vector<WindowLandmark>& landmarks,
+                         const PoseWithCovariance& prior,
+                         const Gates& gates,
+                         const std::optional<Pose>& guess)
+    : alignment_(alignment),
+      landmarks_(evenly(landmarks, alignment.config_.max_landmarks)),
+      prior_(prior),
+      gates_(gates) {
+  if (landmarks_.empty()) return;
   std::vector<Eigen::Vector3d> positions;
-  positions.reserve(some.size());
-  for (const WindowLandmark& landmark : some) positions.push_back(landmark.p_map);
+  positions.reserve(landmarks_.size());
+  for (const WindowLandmark& landmark : landmarks_) positions.push_back(landmark.p_map);
   const double lever_m = lever(positions, prior.T_map_body.p);
-  std::vector<Pose> starts = starts_around(prior, lever_m, config_.start_sigmas, gates.first_m);
-  if (guess) starts.push_back(*guess);
-  std::vector<Aligned> results;
-  results.reserve(starts.size());
-  for (const Pose& start : starts) results.push_back(descend(some, prior, gates, start));
-  // Places beside the best one are looked for where the map holds the window least.
-  const Aligned best = *std::ranges::min_element(results, {}, &Aligned::score);
-  const Eigen::Vector3d step_map = config_.rival_step_m * weakest_shift(best.information);
-  const Gates near{association_.gate_sigmas * gates.final_m, gates.final_m};
-  for (int step = -config_.rival_steps; step <= config_.rival_steps; ++step) {
-    const Pose start{best.T_new_old.R, best.T_new_old.p + step * step_map};
-    if (step != 0) results.push_back(descend(some, prior, near, start));
+  starts_ = starts_around(prior, lever_m, alignment.config_.start_sigmas, gates.first_m);
+  if (guess) starts_.push_back(*guess);
+}
+
+bool RigidAlignment::Run::advance() {
+  if (!has_rivals_ && results_.size() == starts_.size()) add_rivals();
+  if (results_.size() == starts_.size()) return false;
+  const double final_m = gates_.final_m;
+  const Gates near{alignment_.association_.gate_sigmas * final_m, final_m};
+  results_.push_back(alignment_.descend(
+      landmarks_, prior_, has_rivals_ ? near : gates_, starts_[results_.size()]));
+  return true;
+}
+
+// Places beside the best one are looked for where the map holds the window least.
+void RigidAlignment::Run::add_rivals() {
+  has_rivals_ = true;
+  if (results_.empty()) return;
+  const Config& config = alignment_.config_;
+  const Aligned& best = *std::ranges::min_element(results_, {}, &Aligned::score);
+  const Eigen::Vector3d step_map = config.rival_step_m * weakest_shift(best.information);
+  for (int step = -config.rival_steps; step <= config.rival_steps; ++step) {
+    if (step != 0) starts_.push_back({best.T_new_old.R, best.T_new_old.p + step * step_map});
   }
-  std::ranges::sort(results, {}, &Aligned::score);
-  const Aligned& chosen = results.front();
-  return {chosen.T_new_old, chosen.score, rivals_of(results, prior.T_map_body)};
+}
+
+RigidAlignment::Result RigidAlignment::Run::result() {
+  if (results_.empty()) return {};
+  std::ranges::sort(results_, {}, &Aligned::score);
+  const Aligned& chosen = results_.front();
+  const Matrix6d rivals = alignment_.rivals_of(results_, prior_.T_map_body);
+  return {chosen.T_new_old, chosen.score, rivals};
 }
 
 // Of starts that have come to one place only the best one counts.

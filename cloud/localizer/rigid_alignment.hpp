@@ -48,6 +48,9 @@ class RigidAlignment {
                              const Gates& gates,
                              const std::optional<Pose>& guess = std::nullopt) const;
 
+  /// The same, start by start: for work in turns.
+  class Run;
+
   /// In which the odds of a place fall by e.
   [[nodiscard]] double rival_score() const { return config_.rival_score; }
 
@@ -72,6 +75,35 @@ class RigidAlignment {
   const LaserMap& map_;
   const AssociationConfig& association_;
   const Config& config_;
+};
+
+class RigidAlignment::Run {
+ public:
+  /// See align().
+  /// @param alignment  outlives this
+  Run(const RigidAlignment& alignment,
+      const std::vector<WindowLandmark>& landmarks,
+      const PoseWithCovariance& prior,
+      const Gates& gates,
+      const std::optional<Pose>& guess = std::nullopt);
+
+  /// Goes on from the next start.
+  /// @return whether there was one
+  bool advance();
+
+  /// Once there is no start left.
+  [[nodiscard]] Result result();
+
+ private:
+  void add_rivals();
+
+  const RigidAlignment& alignment_;
+  std::vector<WindowLandmark> landmarks_;  // sampled
+  PoseWithCovariance prior_;
+  Gates gates_;
+  std::vector<Pose> starts_;
+  bool has_rivals_ = false;  // starts beside the best place
+  std::vector<Aligned> results_;
 };
 
 /// x_map becomes T_new_old * x_map.

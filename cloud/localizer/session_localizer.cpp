@@ -105,10 +105,11 @@ bool SessionLocalizer::search() {
   return T_map_odom.has_value();
 }
 
-// Of a session that is searched for it is known whether places are left.
+// Of a session that is searched for it is known whether places are left, or none is.
 Rejection SessionLocalizer::not_ready(Rejection reason) const {
-  const bool is_ambiguous = first_place_ && first_place_->is_ambiguous();
-  return reason == Rejection::kSearching && is_ambiguous ? Rejection::kAmbiguous : reason;
+  if (reason != Rejection::kSearching || !first_place_) return reason;
+  if (first_place_->is_off_map()) return Rejection::kNotCovered;
+  return first_place_->is_ambiguous() ? Rejection::kAmbiguous : reason;
 }
 
 // What the robot has sent since the session was localized last: what came before has its place.

@@ -118,9 +118,9 @@ class SessionLocalizer {
   /// then it does nothing else, unless a place is found.
   [[nodiscard]] bool is_searching() const { return first_place_ && first_place_->is_running(); }
 
-  /// See FirstPlace; 0 for a session that never searched.
-  [[nodiscard]] std::size_t places_left() const {
-    return first_place_ ? first_place_->places_left() : 0;
+  /// Null for a session that has no map to search in.
+  [[nodiscard]] const FirstPlace* first_place() const {
+    return first_place_ ? &*first_place_ : nullptr;
   }
   /// Where the robot may be, the likeliest first; empty unless what it has seen fits several
   /// places, all of which are known.

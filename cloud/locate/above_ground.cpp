@@ -1,8 +1,10 @@
 #include "cloud/locate/above_ground.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <iterator>
+#include <set>
 
 namespace fleetloc {
 namespace {
@@ -49,6 +51,16 @@ std::vector<SeenLandmark> above_ground(const std::vector<SeenLandmark>& landmark
     return *height - depth_below_camera(landmark) >
            config.band_m + config.max_slope * distance(landmark);
   });
+  return result;
+}
+
+std::vector<SeenLandmark> spread_out(const std::vector<SeenLandmark>& landmarks, double spacing_m) {
+  std::set<std::array<int, 3>> taken;
+  std::vector<SeenLandmark> result;
+  for (const SeenLandmark& landmark : landmarks) {
+    const Eigen::Vector3i block = floored(landmark.p / spacing_m);
+    if (taken.insert({block.x(), block.y(), block.z()}).second) result.push_back(landmark);
+  }
   return result;
 }
 

@@ -25,6 +25,10 @@ std::optional<double> camera_height(const std::vector<SeenLandmark>& landmarks,
 std::vector<SeenLandmark> above_ground(const std::vector<SeenLandmark>& landmarks,
                                        const GroundConfig& config);
 
+/// One of those in each block of space with edges of `spacing_m`, the first one: what stands
+/// together is one thing, which may be gone, however many landmarks it has.
+std::vector<SeenLandmark> spread_out(const std::vector<SeenLandmark>& landmarks, double spacing_m);
+
 GroundConfig read_ground_config(ConfigReader section);
 
 }  // namespace fleetloc

@@ -12,6 +12,19 @@ namespace {
 
 constexpr double kCleanUpSeconds = 1.0;
 
+/// After a turn of the session that took so long.
+void note_search(const SessionLocalizer& session, double turn_ms, SearchReport& report) {
+  const FirstPlace* const search = session.first_place();
+  if (!search) return;
+  report.running_ms += turn_ms;
+  if (search->is_running()) return;
+  const double run_ms = std::exchange(report.running_ms, 0.0);
+  if (search->searches() != report.searches) report.ms.add(run_ms);
+  report.searches = search->searches();
+  report.explained = search->explained();
+  report.places_left = search->places_left();
+}
+
 std::vector<Eigen::Vector3d> possible_places_of(const SessionLocalizer& session) {
   std::vector<Eigen::Vector3d> places;
   for (const auto& place : session.possible_places()) places.push_back(place.T_map_body.p);
@@ -221,9 +234,9 @@ void LocalizerPool::finish(const Job& job,
   SessionReport& report = report_.of(job.robot);
   if (!job.error.empty()) report.refuse(PoolRefusal::kError);
   report.memory_bytes = job.session->memory_bytes();
-  report.places_left = job.session->places_left();
-  report.possible_places = possible_places_of(*job.session);
-  served_.searched(job.robot, report.possible_places);
+  note_search(*job.session, optimize_ms, report.search);
+  report.search.possible_places = possible_places_of(*job.session);
+  served_.searched(job.robot, report.search.possible_places);
   // A turn of a search that has found nothing has nothing new to say.
   const bool is_silent =
       job.submaps.empty() && job.error.empty() && answer.status != LocalizationStatus::kLocalized;
@@ -232,7 +245,7 @@ void LocalizerPool::finish(const Job& job,
     report.refuse(PoolRefusal::kTooMuchMemory);
     return end(job.robot, "needs too much memory");
   }
-  if (job.error.empty() && job.session->is_searching()) scheduler_.add(job.robot, now);
+  if (job.error.empty() && job.session->is_searching()) scheduler_.add_background(job.robot);
   if (is_silent) return;
   served_.answered(job.robot, answer);
   protocol_.answer(job.robot, std::move(answer), job.correction);

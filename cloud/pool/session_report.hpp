@@ -35,6 +35,16 @@ class RecentValues {
   std::size_t next_ = 0;  // the oldest, once there are kMax
 };
 
+/// Of a robot that was looked for in the map; of its present session.
+struct SearchReport {
+  std::uint64_t searches = 0;                    ///< of the whole map, that have ended
+  double explained = 1.0;                        ///< see FirstPlace
+  std::size_t places_left = 0;                   ///< of the latest search
+  std::vector<Eigen::Vector3d> possible_places;  ///< see ServedRobot
+  RecentValues ms;                               ///< of each search, with the places' alignment
+  double running_ms = 0.0;                       ///< of the one that has not ended
+};
+
 /// Statistics of one robot at this localizer; written to sessions.json.
 struct SessionReport {
   std::uint64_t sessions = 0;  ///< opened
@@ -45,10 +55,9 @@ struct SessionReport {
   RecentValues optimize_ms;                       ///< of each localization
   RecentValues matches;                           ///< with the map, of each localization
   std::size_t memory_bytes = 0;                   ///< after the latest localization
-  std::size_t places_left = 0;                    ///< of the latest search for a first place
-  std::vector<Eigen::Vector3d> possible_places;   ///< see ServedRobot
-  std::string last_error;                         ///< what the latest exception said
-  std::optional<RobotStatus> status;              ///< the latest
+  SearchReport search;
+  std::string last_error;             ///< what the latest exception said
+  std::optional<RobotStatus> status;  ///< the latest
 
   void refuse(PoolRefusal refusal, std::uint64_t count = 1) {
     if (count > 0) refused[std::string(name(refusal))] += count;

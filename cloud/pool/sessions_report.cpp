@@ -31,6 +31,15 @@ nlohmann::json to_json(const std::vector<Eigen::Vector3d>& places) {
   return json;
 }
 
+nlohmann::json to_json(const SearchReport& report) {
+  return {
+      {"searches", report.searches},
+      {"explained", report.searches > 0 ? nlohmann::json(report.explained) : nullptr},
+      {"places_left", report.places_left},
+      {"possible_places", to_json(report.possible_places)},
+      {"ms", {{"p50", percentile_json(report.ms, 0.5)}, {"max", percentile_json(report.ms, 1.0)}}}};
+}
+
 nlohmann::json to_json(const SessionReport& report) {
   return {{"sessions", report.sessions},
           {"submaps", report.submaps},
@@ -42,8 +51,7 @@ nlohmann::json to_json(const SessionReport& report) {
             {"p99", percentile_json(report.optimize_ms, 0.99)}}},
           {"matches", {{"p50", percentile_json(report.matches, 0.5)}}},
           {"memory_bytes", report.memory_bytes},
-          {"places_left", report.places_left},
-          {"possible_places", to_json(report.possible_places)},
+          {"search", to_json(report.search)},
           {"last_error", report.last_error},
           {"status", to_json(report.status)}};
 }

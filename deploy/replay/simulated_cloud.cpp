@@ -3,6 +3,11 @@
 #include <utility>
 
 namespace fleetloc {
+namespace {
+
+constexpr int kSearchTurns = 5;  // of a search, in the time of a localization
+
+}  // namespace
 
 SimulatedCloud::SimulatedCloud(LocalizerPool pool,
                                Channel& channel,
@@ -34,7 +39,9 @@ void SimulatedCloud::start_next(Timestamp now) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   LocalizationResult answer = LocalizerPool::run(*job);
   const Duration cpu = cpu_clock_ ? cpu_clock_() - begin : Duration{};
-  running_ = {std::move(*job), std::move(answer), 1e3 * to_seconds(cpu), now + localization_time_};
+  const bool is_search = job->submaps.empty();
+  const Duration takes = is_search ? localization_time_ / kSearchTurns : localization_time_;
+  running_ = {std::move(*job), std::move(answer), 1e3 * to_seconds(cpu), now + takes};
 }
 
 }  // namespace fleetloc

@@ -103,7 +103,7 @@ TEST_F(RobotAndCloud, FindARobotOfWhichNobodyTellsWhereItIs) {
   EXPECT_LE(system.robot().answers.size(), report.submaps + 1);
   EXPECT_GE(report.rejected.at("searching"), 1U);
   EXPECT_LE(report.rejected.at("searching"), report.submaps);
-  EXPECT_EQ(report.places_left, 1U);
+  EXPECT_EQ(report.search.places_left, 1U);
 }
 
 TEST_F(RobotAndCloud, GiveTheSameBitsTwice) {

@@ -64,5 +64,18 @@ TEST(AboveGround, KeepsAllIfNoGroundIsSeen) {
   EXPECT_TRUE(above_ground({}, kGroundConfig).empty());
 }
 
+TEST(SpreadOut, KeepsTheFirstOfEachBlock) {
+  std::vector<SeenLandmark> landmarks;
+  for (int i = 0; i < 30; ++i) landmarks.push_back({.p = {0.1 * i - 1.05, 0.0, 0.5}});
+  const auto kept = spread_out(landmarks, 1.0);
+  ASSERT_EQ(kept.size(), 4U);
+  for (const std::size_t first : {0U, 1U, 11U, 21U}) {
+    const bool is_kept = std::ranges::any_of(
+        kept, [&](const SeenLandmark& landmark) { return landmark.p == landmarks[first].p; });
+    EXPECT_TRUE(is_kept) << first;
+  }
+  EXPECT_EQ(spread_out(landmarks, 0.05).size(), landmarks.size());
+}
+
 }  // namespace
 }  // namespace fleetloc

@@ -226,5 +226,46 @@ TEST_F(FairSchedulerTest, ChoosesWhomAScanOfAllRobotsWould) {
   }
 }
 
+TEST_F(FairSchedulerTest, TheBackgroundHasTheTimeThatNobodyElseWants) {
+  scheduler_.add_background("searching");
+  scheduler_.add_background("lost");
+  for (int i = 0; i < 3; ++i) {
+    for (const char* robot : {"a", "b"}) scheduler_.add(robot, at_ms(i));
+    EXPECT_EQ(serve(100), "a");
+    EXPECT_EQ(serve(100), "b");
+  }
+  EXPECT_EQ(serve(10), "searching");
+  scheduler_.add_background("searching");
+  EXPECT_EQ(serve(10), "lost");
+  EXPECT_EQ(serve(10), "searching");
+  EXPECT_EQ(serve(10), "nobody");
+}
+
+TEST_F(FairSchedulerTest, TheBackgroundIsHeldAgainstNobody) {
+  for (int i = 0; i < 100; ++i) {
+    scheduler_.add_background("searching");
+    EXPECT_EQ(serve(1000), "searching");
+  }
+  scheduler_.add("other", at_ms(0));
+  scheduler_.add("searching", at_ms(0));
+  EXPECT_EQ(serve(10), "other");
+  scheduler_.add("other", at_ms(1));
+  EXPECT_EQ(serve(10), "searching");
+}
+
+TEST_F(FairSchedulerTest, WorkTakesTheBackgroundWithIt) {
+  scheduler_.add_background("a");
+  scheduler_.add("a", at_ms(0));
+  EXPECT_EQ(serve(10), "a");
+  EXPECT_EQ(serve(10), "nobody");
+  scheduler_.add("a", at_ms(1));
+  scheduler_.add_background("a");
+  EXPECT_EQ(serve(10), "a");
+  EXPECT_EQ(serve(10), "nobody");
+  scheduler_.add_background("a");
+  scheduler_.erase("a");
+  EXPECT_EQ(serve(10), "nobody");
+}
+
 }  // namespace
 }  // namespace fleetloc

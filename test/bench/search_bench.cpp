@@ -1,0 +1,173 @@
+// What robots notice of others that search for their places: the answers' latency on one worker, in
+// simulated time, with what each job takes in reality.
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "cloud/locate/pyramid_config.hpp"
+#include "cloud/pool/localizer_pool.hpp"
+#include "deploy/config/default_config.hpp"
+#include "shared/config/config_reader.hpp"
+#include "shared/core/cpu_time.hpp"
+#include "shared/core/percentile.hpp"
+#include "shared/wire/session_codec.hpp"
+#include "shared/wire/submap_codec.hpp"
+#include "test/unit/localizer/simulated_session.hpp"
+
+namespace fleetloc {
+namespace {
+
+constexpr Incarnation kIncarnation{3};
+constexpr double kPeriod_s = 0.5;  // of each robot's keyframes
+constexpr int kKeyframes = 100;
+constexpr double kFull_s = 20.0;  // until then windows grow
+
+/// The room twice: a robot of which nobody tells where it is never knows in which one.
+std::shared_ptr<const LaserMap> two_rooms() {
+  const std::vector<Eigen::Vector3d> room = SimulatedRun({}).surface_points(0.06);
+  std::vector<Eigen::Vector3d> both = room;
+  for (const Eigen::Vector3d& p : room) both.emplace_back(p + Eigen::Vector3d(40.0, 0.0, 0.0));
+  return std::make_shared<const LaserMap>(map_of(both, 0.01, 1));
+}
+
+/// Searches as soon as it has searched.
+LocalizerPool::Config always_searching() {
+  ConfigReader config = ConfigReader::from_string(default_config("everything"));
+  config.overlay(
+      ConfigReader::from_string("{localizer: {first_place: {next_way_cells: 0.01, "
+                                "ambiguous_way_cells: 0.01, follow_way_cells: 0.01}}}"));
+  return read_localizer_pool_config(config);
+}
+
+/// A keyframe, with the one before, which its edge refers to.
+Submap submap_of(const SimulatedSession& robot, int keyframe) {
+  Submap submap = robot.submap(keyframe);
+  if (keyframe == 0) return submap;
+  const Submap before = robot.submap(keyframe - 1);
+  submap.keyframes.insert(submap.keyframes.begin(), before.keyframes.front());
+  for (const auto& landmark : before.landmarks) {
+    const bool is_new = std::ranges::none_of(
+        submap.landmarks, [&landmark](const auto& other) { return other.id == landmark.id; });
+    if (is_new) submap.landmarks.push_back(landmark);
+  }
+  std::ranges::sort(submap.landmarks, {}, &SubmapLandmark::id);
+  return submap;
+}
+
+/// One worker, and robots that send keyframes in turn.
+class Worker {
+ public:
+  Worker(int robots, int searching) : period_s_(kPeriod_s / (robots + searching)) {
+    for (int i = 0; i < robots + searching; ++i) {
+      sources_.emplace_back(SimulatedSession::Config{.seed = static_cast<std::uint64_t>(i + 1),
+                                                     .send_landmarks = true});
+      RobotSession session = sources_.back().session();
+      session.robot = name_of(i);
+      session.localizer = "localizer";
+      session.incarnation = kIncarnation;
+      if (i >= robots) session.start.reset();
+      pool_.receive({Topic::kSession, encode(session)}, at(0.0));
+      if (i < robots) told_.push_back(session.robot);
+    }
+  }
+
+  /// [ms], from a keyframe's arrival to its answer, of robots that have a place.
+  std::vector<double> run() {
+    const int count = kKeyframes * static_cast<int>(sources_.size());
+    double now_s = 0.0;
+    for (int next = 0; next < count;) {
+      auto job = arrival_s(next) > now_s ? pool_.take_job(at(now_s)) : std::nullopt;
+      if (!job && arrival_s(next) > now_s) {
+        now_s = arrival_s(next);
+      }
+      for (; next < count && arrival_s(next) <= now_s; ++next) send(next);
+      if (!job) job = pool_.take_job(at(now_s));
+      if (job) now_s = work(*job, now_s);
+    }
+    return latencies_ms_;
+  }
+
+  [[nodiscard]] double busy_share() const {
+    return busy_s_ / arrival_s(kKeyframes * static_cast<int>(sources_.size()));
+  }
+  [[nodiscard]] double searching_share() const {
+    return searching_s_ / arrival_s(kKeyframes * static_cast<int>(sources_.size()));
+  }
+
+  /// Of jobs of robots that search.
+  [[nodiscard]] const std::vector<double>& turns_ms() const { return turns_ms_; }
+
+ private:
+  static Timestamp at(double seconds) { return Timestamp{from_seconds(seconds)}; }
+  static std::string name_of(int robot) { return "robot_" + std::to_string(robot); }
+  [[nodiscard]] double arrival_s(int message) const { return 1.0 + period_s_ * message; }
+
+  void send(int message) {
+    const int robots = static_cast<int>(sources_.size());
+    const int robot = message % robots;
+    Submap submap = submap_of(sources_[static_cast<std::size_t>(robot)], message / robots);
+    submap.robot = name_of(robot);
+    submap.incarnation = kIncarnation;
+    pool_.receive({Topic::kSubmap, encode(submap)}, at(arrival_s(message)));
+  }
+
+  double work(LocalizerPool::Job& job, double now_s) {
+    const Duration before = thread_cpu_time();
+    LocalizationResult answer = LocalizerPool::run(job);
+    const double took_s = to_seconds(thread_cpu_time() - before);
+    const double end_s = now_s + took_s;
+    const bool has_place = std::ranges::find(told_, job.robot) != told_.end();
+    if (has_place && now_s > kFull_s) {
+      latencies_ms_.push_back(1e3 * (end_s - to_seconds(job.received.time_since_epoch())));
+    }
+    (has_place ? busy_s_ : searching_s_) += took_s;
+    if (!has_place) turns_ms_.push_back(1e3 * took_s);
+    pool_.finish(job, std::move(answer), 1e3 * took_s, at(end_s));
+    return end_s;
+  }
+
+  double period_s_;
+  std::deque<SimulatedSession> sources_;
+  std::vector<RobotId> told_;
+  std::shared_ptr<const LaserMap> map_ = two_rooms();
+  LocalizerPool pool_{
+      "localizer", kIncarnation, map_, always_searching(), make_pyramid(*map_, kSmallPyramid)};
+  std::vector<double> latencies_ms_;
+  std::vector<double> turns_ms_;
+  double busy_s_ = 0.0;
+  double searching_s_ = 0.0;
+};
+
+/// Robots that have a place, and robots that search.
+void answers(benchmark::State& state) {
+  for (auto _ : state) {
+    Worker worker(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+    const std::vector<double> latencies_ms = worker.run();
+    state.counters["p50_ms"] = percentile(latencies_ms, 0.5).value();
+    state.counters["p99_ms"] = percentile(latencies_ms, 0.99).value();
+    state.counters["answers"] = static_cast<double>(latencies_ms.size());
+    state.counters["turn_p50_ms"] = percentile(worker.turns_ms(), 0.5).value_or(0.0);
+    state.counters["turn_p99_ms"] = percentile(worker.turns_ms(), 0.99).value_or(0.0);
+    state.counters["load"] = worker.busy_share();
+    state.counters["searches"] = worker.searching_share();
+  }
+}
+BENCHMARK(answers)
+    ->ArgNames({"robots", "searching"})
+    ->Args({5, 0})
+    ->Args({5, 1})
+    ->Args({5, 3})
+    ->Args({10, 0})
+    ->Args({10, 1})
+    ->Args({10, 3})
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1);
+
+}  // namespace
+}  // namespace fleetloc
