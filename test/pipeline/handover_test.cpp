@@ -1,9 +1,12 @@
 // From one localizer to the next: what a robot notices of it, in simulated time.
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <optional>
 
 #include <gtest/gtest.h>
 
+#include "cloud/locate/pyramid_config.hpp"
 #include "shared/core/percentile.hpp"
 #include "test/pipeline/interruptible_system.hpp"
 
@@ -162,6 +165,40 @@ TEST_P(Handover, StaysWithADrainingLocalizerWhileNobodyElseTakesRobots) {
   system_.play(45.0);
   EXPECT_LE(arrivals(37.0, 45.0).front(), 37.0 + (is_lossy() ? 5.0 : 2.0));
   expect_good_poses(10.0);
+}
+
+/// When a robot is localized first of which nobody tells where it is, if its localizer is killed
+/// then.
+double found_at_s(const SimulatedRun& run,
+                  const std::shared_ptr<const LaserMap>& map,
+                  std::optional<double> kill_at_s) {
+  const auto pyramid = make_pyramid(*map, read_localizer_pool_config(defaults()).pyramid);
+  InterruptibleSystem system(run, std::nullopt, perfect_link());
+  for (const char* name : {"a", "b"}) system.start(name, 1, map, "{}", pyramid);
+  for (double s = 0.0; s < 30.0; s += 0.1) {
+    system.play(s);
+    if (!system.robot().frames.empty() &&
+        system.robot().frames.back().pose.quality == Quality::kLocalized) {
+      return s;
+    }
+    if (kill_at_s && s >= *kill_at_s && !system.robot().answers.empty()) {
+      kill_at_s.reset();
+      system.kill(system.robot().answers.back().answer.localizer);
+    }
+  }
+  return 30.0;
+}
+
+// What it has seen goes with it, and the next localizer searches with all of that at once.
+TEST(HandoverOfASearch, TakesNoLongerThanOfARobotThatHasAPlace) {
+  const SimulatedRun run(noisy_flight());
+  const auto map = map_of(run);
+  const double undisturbed_s = found_at_s(run, map, std::nullopt);
+  const double disturbed_s = found_at_s(run, map, undisturbed_s - 0.3);
+  std::printf("found after %.1f s, %.1f s if it is killed before\n", undisturbed_s, disturbed_s);
+  EXPECT_LT(undisturbed_s, 20.0);
+  EXPECT_GT(disturbed_s, undisturbed_s) << "it was killed before";
+  EXPECT_LE(disturbed_s, undisturbed_s + 4.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Loss,

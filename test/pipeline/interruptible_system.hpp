@@ -37,17 +37,19 @@ class SeverableChannel final : public Channel {
 class InterruptibleSystem {
  public:
   InterruptibleSystem(const SimulatedRun& run,
-                      const Pose& T_map_body_start,
+                      const std::optional<Pose>& T_map_body_start,
                       const LinkConfig& link = perfect_link())
       : network_(link),
         robot_end_(network_.join_robot("robot")),
         robot_(run, robot_end_, T_map_body_start) {}
 
-  /// @param config  YAML that differs from the defaults
+  /// @param config   YAML that differs from the defaults
+  /// @param pyramid  of the map; null: no robot is searched for
   void start(const std::string& name,
              std::uint32_t incarnation,
              std::shared_ptr<const LaserMap> map,
-             const std::string& config = "{}") {
+             const std::string& config = "{}",
+             std::shared_ptr<const MapPyramid> pyramid = nullptr) {
     ConfigReader reader = defaults();
     reader.overlay(ConfigReader::from_string(config));
     kill(name);
@@ -55,12 +57,15 @@ class InterruptibleSystem {
     localizer.incarnation = Incarnation{incarnation};
     localizer.map = map;
     localizer.end = network_.join_cloud(name);
-    localizer.cloud = std::make_unique<SimulatedCloud>(
-        LocalizerPool(
-            name, localizer.incarnation, std::move(map), read_localizer_pool_config(reader)),
-        *localizer.end,
-        std::chrono::milliseconds(50),
-        nullptr);
+    localizer.cloud =
+        std::make_unique<SimulatedCloud>(LocalizerPool(name,
+                                                       localizer.incarnation,
+                                                       std::move(map),
+                                                       read_localizer_pool_config(reader),
+                                                       std::move(pyramid)),
+                                         *localizer.end,
+                                         std::chrono::milliseconds(50),
+                                         nullptr);
   }
   /// As kill -9.
   void kill(const std::string& name) { localizers_.erase(name); }
