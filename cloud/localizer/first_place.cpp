@@ -47,9 +47,10 @@ bool FirstPlace::is_search_due(double travelled_m) const {
 void FirstPlace::begin(View view, double travelled_m) {
   hypotheses_.see(std::move(view));
   followed_at_m_ = travelled_m;
-  is_whole_ = is_search_due(travelled_m);
-  if (is_whole_) begin_search(travelled_m);
-  is_running_ = !is_whole_ || search_;
+  was_given_up_ = false;
+  if (is_search_due(travelled_m)) begin_search(travelled_m);
+  is_whole_ = search_.has_value();
+  is_running_ = is_whole_ || hypotheses_.are_waiting();
 }
 
 void FirstPlace::begin_search(double travelled_m) {
@@ -172,6 +173,7 @@ void FirstPlace::give_up() {
   }
   search_.reset();
   is_whole_ = false;
+  was_given_up_ = true;
 }
 
 // From the height above the ground to that in the map: of the ground where the robot is.
@@ -185,15 +187,14 @@ Pose FirstPlace::in_map(const FoundPlace& place) const {
 // Places that are followed are not all there are: only a search tells that none but one is left.
 std::optional<Pose> FirstPlace::decide() {
   is_running_ = false;
-  hypotheses_.keep_likely();
+  hypotheses_.keep_likely(static_cast<std::size_t>(config_.max_places));
   const std::vector<PlaceHypotheses::Place>& places = hypotheses_.places();
   places_left_ = places.size();
   ambiguous_.clear();
   if (places_left_ > 1) ambiguous_ = places;
   if (places_left_ != 1) return std::nullopt;
   if (is_whole_) return places.front().T_map_odom;
-  const bool was_given_up = searched_at_m_ == followed_at_m_;
-  if (!was_given_up) searched_at_m_.reset();
+  if (!was_given_up_) searched_at_m_.reset();
   return std::nullopt;
 }
 

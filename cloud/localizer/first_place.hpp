@@ -31,7 +31,7 @@ class FirstPlace {
     PlaceHypotheses::Config hypotheses;
     int max_places;        ///< that are aligned; if there are more, none is certain
     double min_share;      ///< of the best place's score in PlaceSearch
-    double min_explained;  ///< share of the landmarks; with less the robot is not in the map
+    double min_explained;  ///< by their weights; with less the robot is not in the map
     /// What follows in cells is relative to those of the pyramid: smaller in a room.
     double spacing_cells;        ///< of landmarks: what stands together is one witness
     double max_sigma_cells;      ///< of a landmark
@@ -109,8 +109,8 @@ class FirstPlace {
   /// That have ended or were given up.
   [[nodiscard]] std::size_t searches() const { return searches_; }
 
-  /// Share of the landmarks that the best place of the latest search explains, or as much as any
-  /// place can if the search was given up before; 1 before the first search.
+  /// Share of the landmarks, by their weights, that the best place of the latest search explains,
+  /// or as much as any place can if the search was given up before; 1 before the first search.
   [[nodiscard]] double explained() const { return explained_; }
 
   /// Whether no place explains enough of what was seen: the robot is not in the map, or not in the
@@ -140,7 +140,8 @@ class FirstPlace {
   std::optional<double> searched_at_m_;  // travelled, of the last search
   double followed_at_m_ = 0.0;           // of the last alignment of places
   bool is_running_ = false;
-  bool is_whole_ = false;              // what is running, or ran last, began with a search
+  bool is_whole_ = false;              // what is running, or ran last, is of the whole map
+  bool was_given_up_ = false;          // a search that began with it
   std::optional<PlaceSearch> search_;  // until it has ended
   std::vector<PlaceHypotheses::Place> ambiguous_;
   std::size_t places_left_ = 0;

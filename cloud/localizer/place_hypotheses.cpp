@@ -1,6 +1,7 @@
 #include "cloud/localizer/place_hypotheses.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -14,6 +15,11 @@ void PlaceHypotheses::see(View view) {
   view_ = std::move(view);
   for (const Place& place : places_) waiting_.push_back(place.T_map_odom);
   places_.clear();
+}
+
+void PlaceHypotheses::add(const Pose& T_map_odom) {
+  assert(!running_);
+  waiting_.push_back(T_map_odom);
 }
 
 void PlaceHypotheses::clear() {
@@ -52,13 +58,14 @@ void PlaceHypotheses::end_alignment() {
   running_.reset();
 }
 
-void PlaceHypotheses::keep_likely() {
+void PlaceHypotheses::keep_likely(std::size_t max_places) {
   std::ranges::sort(places_, {}, &Place::score);
   std::vector<Place> kept;
   for (Place& place : places_) {
     place.log_odds = (place.score - places_.front().score) / alignment_.rival_score();
     const auto is_here = [&](const Place& other) { return is_same(place, other); };
     const bool is_likely = place.log_odds < config_.min_log_odds;
+    if (kept.size() == max_places) break;
     if (is_likely && std::ranges::none_of(kept, is_here)) kept.push_back(place);
   }
   places_ = std::move(kept);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -52,7 +53,8 @@ class PlaceHypotheses {
   [[nodiscard]] const View& view() const { return view_; }
 
   /// Another place, as far as it is known, which is to be aligned with the view.
-  void add(const Pose& T_map_odom) { waiting_.push_back(T_map_odom); }
+  /// No alignment may have begun.
+  void add(const Pose& T_map_odom);
 
   [[nodiscard]] bool are_waiting() const { return !waiting_.empty(); }
 
@@ -60,8 +62,8 @@ class PlaceHypotheses {
   /// @return whether one was left
   bool align_next();
 
-  /// Once all are aligned: keeps those of which the best one is not certain.
-  void keep_likely();
+  /// Once all are aligned: keeps those of which the best one is not certain, so many at most.
+  void keep_likely(std::size_t max_places);
 
   void clear();
 

@@ -36,9 +36,16 @@ std::optional<CellGrid> CellGrid::of_parts(const Eigen::Vector3i& min,
                                            const Eigen::Vector3i& max,
                                            std::vector<std::uint32_t> directory,
                                            std::vector<Brick> bricks) {
+  constexpr std::int64_t kMaxEdge = 1 << 20;  // [cells]; so that no product overflows
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t edge = std::int64_t{max(axis)} - min(axis);
+    if (edge < 0 || edge > kMaxEdge) return std::nullopt;
+  }
   const std::array<std::uint32_t, 3> size = size_in_bricks(min, max);
   const auto exists = [&](std::uint32_t brick) { return brick < bricks.size(); };
-  if (directory.size() != product(size) || !std::ranges::all_of(directory, exists)) {
+  const bool is_first_empty = !bricks.empty() && bricks.front() == Brick{};
+  if (directory.size() != product(size) || !is_first_empty ||
+      !std::ranges::all_of(directory, exists)) {
     return std::nullopt;
   }
   CellGrid grid;
@@ -47,6 +54,11 @@ std::optional<CellGrid> CellGrid::of_parts(const Eigen::Vector3i& min,
   grid.size_ = size;
   grid.directory_ = std::move(directory);
   grid.bricks_ = std::move(bricks);
+  bool is_inside = true;  // none in what bricks have beyond the box
+  grid.for_each([&](const Eigen::Vector3i& cell, std::uint8_t) {
+    is_inside = is_inside && (cell.array() < max.array()).all();
+  });
+  if (!is_inside) return std::nullopt;
   return grid;
 }
 

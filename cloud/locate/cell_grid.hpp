@@ -26,7 +26,8 @@ class CellGrid {
   /// @param min,max  the first cell, and the one after the last, of each axis
   CellGrid(const Eigen::Vector3i& min, const Eigen::Vector3i& max);
   /// What directory() and bricks() have returned.
-  /// @return nothing if they are not of one grid with these bounds
+  /// @return nothing if they are not of one grid with these bounds, or it has a million cells along
+  ///         an axis
   static std::optional<CellGrid> of_parts(const Eigen::Vector3i& min,
                                           const Eigen::Vector3i& max,
                                           std::vector<std::uint32_t> directory,

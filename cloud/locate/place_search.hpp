@@ -29,7 +29,7 @@ struct SearchRegion {
 /// A place for the landmarks: x_map = T_map_seen * x.
 struct FoundPlace {
   Pose T_map_seen;     ///< turned about z only; z becomes the height above the ground
-  double score = 0.0;  ///< share of the landmarks that the map explains, in 0..1
+  double score = 0.0;  ///< share of the landmarks that the map explains, by weight, in 0..1
 };
 
 /// Looks for the places of a map that explain what a robot has seen best, over all positions of a

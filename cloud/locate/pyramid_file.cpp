@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -19,6 +20,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+// The number goes up with whatever makes another grid or ground of the same map.
 constexpr std::string_view kFirstLine = "fleetloc map pyramid 1\n";
 
 std::uint64_t checksum(std::string_view content) {
@@ -66,6 +68,7 @@ class Content {
       return {};
     }
     std::vector<T> values(size);
+    if (size == 0) return values;
     std::memcpy(values.data(), text_.data(), size * sizeof(T));
     text_.remove_prefix(size * sizeof(T));
     return values;
@@ -108,6 +111,7 @@ std::string content_of(const MapPyramid& pyramid,
 }
 
 std::optional<std::string> read(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
   if (!stream) return std::nullopt;
   std::string text(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
@@ -124,7 +128,9 @@ std::optional<GroundHeights> take_ground(Content& content) {
   const auto width = content.take<int>();
   const auto depth = content.take<int>();
   auto heights = content.take_all<float>();
-  if (width < 1 || depth < 1 ||
+  const bool are_finite = std::isfinite(x) && std::isfinite(y) &&
+                          std::ranges::all_of(heights, [](float z) { return std::isfinite(z); });
+  if (!are_finite || width < 1 || depth < 1 ||
       heights.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(depth)) {
     return std::nullopt;
   }
@@ -162,14 +168,18 @@ void save_pyramid(const MapPyramid& pyramid,
     throw PyramidFileError(file.string() + ": cannot be written");
   }
   std::filesystem::rename(written, file, error);
-  if (error) throw PyramidFileError(file.string() + ": " + error.message());
+  if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(written, ignored);
+    throw PyramidFileError(file.string() + ": " + error.message());
+  }
 }
 
 expected<MapPyramid, std::string> load_pyramid(const std::filesystem::path& file,
                                                const MapHash& map,
                                                const MapPyramid::Config& config) {
   const std::optional<std::string> text = read(file);
-  if (!text) return unexpected<std::string>("is not there");
+  if (!text) return unexpected<std::string>("is not there, or cannot be read");
   if (!text->starts_with(kFirstLine)) return unexpected<std::string>("is no map pyramid of ours");
   const std::string_view all(*text);
   const std::size_t end = all.size() - std::min(all.size(), sizeof(std::uint64_t));

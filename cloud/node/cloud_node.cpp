@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "cloud/locate/pyramid_config.hpp"
 #include "cloud/locate/pyramid_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
 #include "shared/core/boot_time.hpp"

@@ -14,7 +14,8 @@ void FairScheduler::add(const RobotId& robot, Timestamp now) {
   Robot& known = robots_[robot];
   dequeue(robot, known);
   known.background.reset();
-  if (!known.newest && !known.turn) known.used = std::max(known.used, virtual_time_);
+  const bool is_served = known.turn && !known.is_turn_in_background;
+  if (!known.newest && !is_served) known.used = std::max(known.used, virtual_time_);
   known.newest = now;
   enqueue(robot, known);
 }

@@ -114,6 +114,8 @@ void LocalizerPool::open(const RobotSession& session,
   const auto before =
       std::exchange(robot.localizer,
                     std::make_shared<SessionLocalizer>(session, map_, config_.localizer, pyramid_));
+  if (change == Change::kOpened) report_.open(session.robot);
+  report_.of(session.robot).search = {};
   if (change == Change::kNewStart) {  // the first of them has the data, unless it was taken over
     if (!robot.predecessor) robot.predecessor = before;
     return;
@@ -121,7 +123,6 @@ void LocalizerPool::open(const RobotSession& session,
   robot.predecessor.reset();
   robot.waiting.clear();
   scheduler_.drop_work(session.robot);
-  if (change == Change::kOpened) report_.open(session.robot);
   ++report_.of(session.robot).sessions;
   served_.open(session.robot, session.session, now);
   report_.log(session.robot + ": session " +

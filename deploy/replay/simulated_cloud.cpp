@@ -39,7 +39,7 @@ void SimulatedCloud::start_next(Timestamp now) {
   const Duration begin = cpu_clock_ ? cpu_clock_() : Duration{};
   LocalizationResult answer = LocalizerPool::run(*job);
   const Duration cpu = cpu_clock_ ? cpu_clock_() - begin : Duration{};
-  const bool is_search = job->submaps.empty();
+  const bool is_search = job->submaps.empty() && answer.status != LocalizationStatus::kLocalized;
   const Duration takes = is_search ? localization_time_ / kSearchTurns : localization_time_;
   running_ = {std::move(*job), std::move(answer), 1e3 * to_seconds(cpu), now + takes};
 }

@@ -53,5 +53,30 @@ TEST(CellGrid, TakesMemoryWhereSomethingIs) {
   EXPECT_EQ(CellGrid().at(0, 0, 0), 0);
 }
 
+TEST(CellGrid, IsMadeOfItsPartsAndOfNoOthers) {
+  const Eigen::Vector3i min(-3, 2, 0);
+  const Eigen::Vector3i max(10, 9, 5);
+  CellGrid grid(min, max);
+  grid.raise({9, 8, 4}, 7);
+  const auto& directory = grid.directory();
+  const auto& bricks = grid.bricks();
+  const auto whole = CellGrid::of_parts(min, max, directory, bricks);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->at(9, 8, 4), 7);
+
+  EXPECT_FALSE(CellGrid::of_parts(max, min, directory, bricks)) << "a box inside out";
+  EXPECT_FALSE(CellGrid::of_parts(min, {10, 9, 50}, directory, bricks)) << "another box";
+  const Eigen::Vector3i far = Eigen::Vector3i::Constant(1 << 30);
+  EXPECT_FALSE(CellGrid::of_parts(-far, far, {}, bricks)) << "its cells cannot be counted";
+  EXPECT_FALSE(CellGrid::of_parts(min, {10, 9, 4}, directory, bricks)) << "a cell beyond the box";
+  EXPECT_FALSE(CellGrid::of_parts(min, max, directory, {})) << "no bricks";
+  auto few = bricks;
+  few.pop_back();
+  EXPECT_FALSE(CellGrid::of_parts(min, max, directory, few)) << "a brick is missing";
+  auto not_empty = bricks;
+  not_empty.front()[0] = 1;
+  EXPECT_FALSE(CellGrid::of_parts(min, max, directory, not_empty)) << "where nothing is";
+}
+
 }  // namespace
 }  // namespace fleetloc

@@ -104,7 +104,10 @@ TEST_F(PyramidFile, IsOfNoUseIfItIsMissingCutOrChanged) {
   replace_by(whole + "x");
   EXPECT_EQ(reason(), "is damaged");
   std::filesystem::remove(file_);
-  EXPECT_EQ(reason(), "is not there");
+  EXPECT_EQ(reason(), "is not there, or cannot be read");
+  std::filesystem::create_directory(file_);
+  EXPECT_EQ(reason(), "is not there, or cannot be read");
+  std::filesystem::remove(file_);
 }
 
 TEST_F(PyramidFile, ThatCannotBeWrittenIsNamed) {
@@ -123,7 +126,7 @@ TEST(PreparedPyramid, IsTheStoredOneOrSaysWhyItWasMade) {
       .min_cell_m = 0.5, .max_cell_m = 0.5, .cells = 100, .levels = 4, .level_from = 0.9};
   const path pcd_file = test_folder() / "streets.pcd";
   const PreparedPyramid made = prepare_pyramid(map, pcd_file, config);
-  EXPECT_EQ(made.why_made, "is not there");
+  EXPECT_EQ(made.why_made, "is not there, or cannot be read");
   const MapPyramid::Config cells = pyramid_cells(map.info(), config);
   save_pyramid(*made.pyramid, cells, map.info().hash, pyramid_file(pcd_file));
   const PreparedPyramid stored = prepare_pyramid(map, pcd_file, config);

@@ -253,6 +253,25 @@ TEST_F(FairSchedulerTest, TheBackgroundIsHeldAgainstNobody) {
   EXPECT_EQ(serve(10), "searching");
 }
 
+TEST_F(FairSchedulerTest, TimeInTheBackgroundIsNotSavedUp) {
+  for (int i = 0; i < 100; ++i) {
+    scheduler_.add("other", at_ms(i));
+    EXPECT_EQ(serve(10), "other");
+    scheduler_.add_background("searching");
+    const auto turn = scheduler_.take();
+    scheduler_.add("searching", at_ms(i));
+    scheduler_.finish(*turn, milliseconds(10));
+    if (i < 99) {
+      EXPECT_EQ(serve(1), "searching");
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    scheduler_.add("other", at_ms(200 + i));
+    scheduler_.add("searching", at_ms(200 + i));
+    EXPECT_EQ(serve(10), i % 2 == 0 ? "searching" : "other") << i;
+  }
+}
+
 TEST_F(FairSchedulerTest, WorkTakesTheBackgroundWithIt) {
   scheduler_.add_background("a");
   scheduler_.add("a", at_ms(0));
