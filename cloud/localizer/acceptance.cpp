@@ -81,11 +81,14 @@ double Acceptance::innovation_gate() const {
          (1.0 + config_.innovation_gate_growth * refused_in_a_row_);
 }
 
-Acceptance::Verdict Acceptance::check_certainty(
-    const std::optional<AnswerCovariance>& stated) const {
+Acceptance::Verdict Acceptance::check_certainty(const std::optional<AnswerCovariance>& stated,
+                                                bool is_found) const {
   if (!stated) return unexpected(kSingular);
   // As in a corridor that the robot entered without knowing where.
   if (!(stated->weak_sigma_m <= config_.max_weak_sigma_m)) return unexpected(kWeak);
+  // Nobody vouches for that place but the search, which knows it to a cell or two.
+  const double sigma_m = max_sigma(stated->covariance.bottomRightCorner<3, 3>());
+  if (is_found && !(sigma_m <= config_.max_found_sigma_m)) return unexpected(kWeak);
   return {};
 }
 
@@ -158,6 +161,7 @@ Acceptance::Config read_acceptance_config(ConfigReader section) {
           .innovation_floor_rad = section.positive("innovation_floor_rad"),
           .innovation_gate_growth = section.positive("innovation_gate_growth"),
           .max_weak_sigma_m = section.positive("max_weak_sigma_m"),
+          .max_found_sigma_m = section.positive("max_found_sigma_m"),
           .confident_agreement = section.number("confident_agreement", 0.0, 1.0),
           .confident_matches = section.integer("confident_matches", 0, 10000),
           .confident_balance = section.number("confident_balance", -2.0, 1.0)};

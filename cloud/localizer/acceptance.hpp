@@ -87,6 +87,7 @@ class Acceptance {
     double innovation_floor_rad;
     double innovation_gate_growth;  ///< relative, with each answer in a row that it alone rejects
     double max_weak_sigma_m;        ///< of the answer, along weak directions
+    double max_found_sigma_m;       ///< of a first place that was found, in any direction
     /// A first localization needs no confirmation if the matched share of the landmarks off the
     /// ground is at least this,
     double confident_agreement;
@@ -116,7 +117,9 @@ class Acceptance {
   Verdict check_fit(const MapFit& fit, bool is_start);
 
   /// Whether it can be said well enough where in that place the robot is.
-  [[nodiscard]] Verdict check_certainty(const std::optional<AnswerCovariance>& stated) const;
+  /// @param is_found  as a first place that nobody told, in the whole map
+  [[nodiscard]] Verdict check_certainty(const std::optional<AnswerCovariance>& stated,
+                                        bool is_found) const;
 
   /// At last, whether the session's first place is the right one; see StartConfirmation.
   /// @param predicted    of the newest keyframe

@@ -96,8 +96,8 @@ LocalizationResult SessionLocalizer::localize() {
 // @return whether there is a place now
 bool SessionLocalizer::search() {
   const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
-  const bool is_found = found_at_m_ && !dead_reckoning_.is_localized();
-  if (is_found && travelled_m - *found_at_m_ > config_.found_start.max_way_m) give_up_found_start();
+  if (has_found_start() && travelled_m - *found_at_m_ > config_.found_start.max_way_m)
+    give_up_found_start();
   if (dead_reckoning_.has_anchor() && !acceptance_.is_lost()) return false;
   if (!first_place_->is_running()) begin_search(travelled_m);
   const auto T_map_odom = first_place_->advance();
@@ -321,7 +321,7 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   const Matrix6d rivals = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
   const auto stated =
       answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, rivals);
-  const auto certain = acceptance_.check_certainty(stated);
+  const auto certain = acceptance_.check_certainty(stated, has_found_start());
   if (!certain) return unexpected(certain.error());
 
   const SubmapKeyframe& newest = database_.newest().item;

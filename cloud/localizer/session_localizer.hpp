@@ -153,6 +153,10 @@ class SessionLocalizer {
   };
 
   bool search();
+  /// Whether it has a place that was found, and from which nothing was localized so far.
+  [[nodiscard]] bool has_found_start() const {
+    return found_at_m_ && !dead_reckoning_.is_localized();
+  }
   [[nodiscard]] Rejection not_ready(Rejection reason) const;
   [[nodiscard]] SessionDatabase unexplained() const;
   void begin_search(double travelled_m);

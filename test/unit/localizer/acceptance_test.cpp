@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/geometry/covariance.hpp"
 #include "shared/geometry/so3.hpp"
 #include "simulated_session.hpp"
 #include "simulated_yard.hpp"
@@ -221,9 +222,22 @@ TEST_F(AcceptanceTest, KeepsToTheStartPoseHoweverOftenItRefuses) {
 }
 
 TEST_F(AcceptanceTest, RefusesWhatIsNotCertainOrHasNoCovariance) {
-  EXPECT_EQ(said(session().check_certainty(AnswerCovariance{.weak_sigma_m = 0.5})), "accepted");
-  EXPECT_EQ(said(session().check_certainty(AnswerCovariance{.weak_sigma_m = 2.0})), "weak");
-  EXPECT_EQ(said(session().check_certainty(std::nullopt)), "singular");
+  const auto said_of = [this](const std::optional<AnswerCovariance>& stated, bool is_found) {
+    return said(session().check_certainty(stated, is_found));
+  };
+  EXPECT_EQ(said_of(AnswerCovariance{.weak_sigma_m = 0.5}, false), "accepted");
+  EXPECT_EQ(said_of(AnswerCovariance{.weak_sigma_m = 2.0}, false), "weak");
+  EXPECT_EQ(said_of(std::nullopt, false), "singular");
+}
+
+TEST_F(AcceptanceTest, WantsAPlaceThatWasFoundToBeKnownWell) {
+  const auto said_of = [this](double sigma_m, bool is_found) {
+    const AnswerCovariance stated{.covariance = diagonal_covariance(0.01, sigma_m)};
+    return said(session().check_certainty(stated, is_found));
+  };
+  EXPECT_EQ(said_of(0.8, false), "accepted") << "somebody told where it is";
+  EXPECT_EQ(said_of(0.8, true), "weak");
+  EXPECT_EQ(said_of(0.3, true), "accepted");
 }
 
 // Ground everywhere, but a minority of the landmarks off the ground is on the walls.
