@@ -31,7 +31,7 @@ class FirstPlace {
     PlaceHypotheses::Config hypotheses;
     int max_places;        ///< that are aligned; if there are more, none is certain
     double min_share;      ///< of the best place's score in PlaceSearch
-    double min_explained;  ///< by their weights; with less the robot is not in the map
+    double min_explained;  ///< share of the landmarks, by weight; with less it is not in the map
     /// What follows in cells is relative to those of the pyramid: smaller in a room.
     double spacing_cells;        ///< of landmarks: what stands together is one witness
     double max_sigma_cells;      ///< of a landmark

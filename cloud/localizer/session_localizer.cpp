@@ -96,8 +96,9 @@ LocalizationResult SessionLocalizer::localize() {
 // @return whether there is a place now
 bool SessionLocalizer::search() {
   const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
-  if (has_found_start() && travelled_m - *found_at_m_ > config_.found_start.max_way_m)
+  if (has_found_start() && travelled_m - *found_at_m_ > config_.found_start.max_way_m) {
     give_up_found_start();
+  }
   if (dead_reckoning_.has_anchor() && !acceptance_.is_lost()) return false;
   if (!first_place_->is_running()) begin_search(travelled_m);
   const auto T_map_odom = first_place_->advance();

@@ -167,8 +167,8 @@ TEST_P(Handover, StaysWithADrainingLocalizerWhileNobodyElseTakesRobots) {
   expect_good_poses(10.0);
 }
 
-/// When a robot is localized first of which nobody tells where it is, if its localizer is killed
-/// then.
+/// When a robot is localized first of which nobody tells where it is [s].
+/// @param kill_at_s  when its localizer is killed; none: it is not
 double found_at_s(const SimulatedRun& run,
                   const std::shared_ptr<const LaserMap>& map,
                   std::optional<double> kill_at_s) {
