@@ -92,7 +92,8 @@ LocalizationResult SessionLocalizer::localize() {
   return localized(std::move(*solution), diagnostics);
 }
 
-// While there is no place, or none that is believed.
+// While there is no place, or none that is believed: one turn, of which the first only looks at
+// what has been seen.
 // @return whether there is a place now
 bool SessionLocalizer::search() {
   const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
@@ -100,7 +101,10 @@ bool SessionLocalizer::search() {
     give_up_found_start();
   }
   if (dead_reckoning_.has_anchor() && !acceptance_.is_lost()) return false;
-  if (!first_place_->is_running()) begin_search(travelled_m);
+  if (!first_place_->is_running()) {
+    begin_search(travelled_m);
+    return false;
+  }
   const auto T_map_odom = first_place_->advance();
   if (T_map_odom) start_at(*T_map_odom);
   return T_map_odom.has_value();

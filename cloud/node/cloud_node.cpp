@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 
 constexpr const char* kSessions = "sessions.json";
 
-constexpr milliseconds kPatience{5};   // between polls of the workers
+constexpr milliseconds kPatience{5};   // between looks at what is to be repeated or told
 constexpr milliseconds kGoodbye{300};  // for the status that says it to be on its way
 
 // The localizer's own clock: for order and durations, never sent to robots.
@@ -108,7 +108,7 @@ void CloudNode::run(const std::stop_token& stop, const std::stop_token& urgent) 
   const std::stop_callback stopping(stop, [this] { service_.stopping(); });
   service_.ready();
   {
-    WorkerPool workers(options_.workers);
+    WorkerPool workers(options_.workers, [this] { channel_.wake(); });
     WorkerLoad load(options_.workers, steady_now());
     while (!is_over(stop, urgent)) serve(workers, load);
     workers.finish();

@@ -5,8 +5,9 @@
 #include "shared/core/cpu_time.hpp"
 
 namespace fleetloc {
-WorkerPool::WorkerPool(int threads)
-    : jobs_(static_cast<std::size_t>(threads), Overflow::kBlock),
+WorkerPool::WorkerPool(int threads, std::function<void()> has_finished)
+    : has_finished_(std::move(has_finished)),
+      jobs_(static_cast<std::size_t>(threads), Overflow::kBlock),
       finished_(static_cast<std::size_t>(threads), Overflow::kBlock) {
   for (int i = 0; i < threads; ++i) {
     threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
@@ -21,6 +22,7 @@ void WorkerPool::work(const std::stop_token& stop) {
     const Duration cpu = thread_cpu_time() - cpu_begin;
     finished_.push(
         {std::move(*job), std::move(answer), cpu, std::chrono::steady_clock::now() - begin});
+    has_finished_();
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -20,7 +21,8 @@ class WorkerPool {
     Duration busy{};  ///< time for which the worker had it
   };
 
-  explicit WorkerPool(int threads);
+  /// @param has_finished  called by a worker when there is something to take
+  WorkerPool(int threads, std::function<void()> has_finished);
 
   /// True if a worker is free; then start() does not wait.
   [[nodiscard]] bool has_free_worker() const { return running_ < threads_.size(); }
@@ -33,6 +35,7 @@ class WorkerPool {
  private:
   void work(const std::stop_token& stop);
 
+  std::function<void()> has_finished_;
   std::size_t running_ = 0;  // jobs whose result has not been taken
   BoundedQueue<LocalizerPool::Job> jobs_;
   BoundedQueue<Finished> finished_;

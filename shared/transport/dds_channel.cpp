@@ -132,7 +132,15 @@ void DdsChannel::release_absent(std::chrono::steady_clock::time_point now) {
 
 bool DdsChannel::wait_for_message(milliseconds patience) {
   std::unique_lock lock(mutex_);
-  return arrived_.wait_for(lock, patience, [this] { return !inbox_.empty(); });
+  arrived_.wait_for(lock, patience, [this] { return is_woken_ || !inbox_.empty(); });
+  is_woken_ = false;
+  return !inbox_.empty();
+}
+
+void DdsChannel::wake() {
+  const std::lock_guard lock(mutex_);
+  is_woken_ = true;
+  arrived_.notify_all();
 }
 
 int DdsChannel::matched_readers(Topic topic, const std::string& receiver) {

@@ -66,8 +66,10 @@ class DdsChannel final : public Channel {
   /// deleted anyway.
   void release(const std::string& receiver) override;
 
-  /// Waits for a message, at most for `patience`. False if there is none.
+  /// Waits for a message, at most for `patience` and until it is woken. False if there is none.
   bool wait_for_message(std::chrono::milliseconds patience);
+  /// Ends the wait that another thread is in, or its next one.
+  void wake();
 
   /// Number of readers matched with the writer to this receiver; creates the writer.
   int matched_readers(Topic topic, const std::string& receiver);
@@ -96,6 +98,7 @@ class DdsChannel final : public Channel {
   PeerLookup lookup_;
   mutable std::mutex mutex_;  // guards what follows, up to the statistics; never held for long
   std::condition_variable arrived_;
+  bool is_woken_ = false;
   std::deque<Message> inbox_;
   std::size_t inbox_bytes_ = 0;  // of its payloads
   std::vector<std::string> events_;

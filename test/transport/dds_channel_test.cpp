@@ -197,5 +197,11 @@ TEST_F(DdsChannelTest, CountsThePayloadAndTheHeadersOfEveryDatagram) {
   }
 }
 
+TEST_F(DdsChannelTest, EndsAWaitWhenItIsWoken) {
+  constexpr std::chrono::hours kForEver{1};
+  const std::jthread other([this] { cloud_.wake(); });
+  EXPECT_FALSE(cloud_.wait_for_message(kForEver));
+}
+
 }  // namespace
 }  // namespace fleetloc
