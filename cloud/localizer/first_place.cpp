@@ -6,6 +6,7 @@
 
 #include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/evenly.hpp"
+#include "cloud/locate/storeys.hpp"
 #include "shared/geometry/covariance.hpp"
 
 namespace fleetloc {
@@ -16,7 +17,8 @@ FirstPlace::FirstPlace(const LaserMap& map,
                        const RigidAlignment::Gates& gates,
                        const Config& config,
                        const std::optional<Region>& region)
-    : pyramid_(std::move(pyramid)),
+    : map_(map),
+      pyramid_(std::move(pyramid)),
       config_(config),
       region_(region),
       hypotheses_(
@@ -29,7 +31,8 @@ std::optional<FirstPlace::Region> FirstPlace::region_of(const MapOdomEstimate& s
   const double sigma_rad = max_sigma(known.covariance.topLeftCorner<3, 3>());
   if (sigma_m <= config.known_m && sigma_rad <= config.known_rad) return std::nullopt;
   constexpr double kSigmas = 3.0;
-  return Region{.p_map = known.T_map_body.p, .radius_m = kSigmas * sigma_m, .p_odom = start.p_odom};
+  return Region{.where = MapRegion::circle(known.T_map_body.p.head<2>(), kSigmas * sigma_m),
+                .p_odom = start.p_odom};
 }
 
 bool FirstPlace::is_due(double way_m, double travelled_m) const {
@@ -102,14 +105,14 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
                                               std::vector<SeenLandmark>& landmarks) {
   double nearest_m = std::numeric_limits<double>::infinity();
   double mean_m = 0.0;
-  view_ground_m_ = 0.0;
+  view_ground_m_.reset();
   for (SeenLandmark& landmark : landmarks) {
     const double ground_m = camera_height_m ? landmark.viewpoint.z() - *camera_height_m : 0.0;
     landmark.p.z() -= ground_m;
     if (camera_height_m && landmark.p.z() > config_.low_m) landmark.weight = config_.high_weight;
     mean_m += landmark.p.z() / static_cast<double>(landmarks.size());
     const double from_body_m = (landmark.viewpoint - hypotheses_.view().T_odom_body.p).norm();
-    if (from_body_m < nearest_m) view_ground_m_ = ground_m;
+    if (camera_height_m && from_body_m < nearest_m) view_ground_m_ = ground_m;
     nearest_m = std::min(nearest_m, from_body_m);
   }
   const double cell_m = pyramid_->cell_m();
@@ -122,17 +125,38 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
   return region;
 }
 
-// Wherever it looked from there, the landmarks' mean is as far from where it began.
+// Wherever it looked from there, the landmarks' mean is as far from the robot's place in the
+// region. A storey is so much above the map's ground as that is uneven there.
 void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
                                     SearchRegion& region) const {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const SeenLandmark& landmark : landmarks) mean += landmark.p.head<2>();
+  const MapRegion& where = region_->where;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const SeenLandmark& landmark : landmarks) mean += landmark.p;
   mean /= static_cast<double>(landmarks.size());
-  const double reach_m = region_->radius_m + (mean - region_->p_odom.head<2>()).norm();
-  const Eigen::Vector2d center = region_->p_map.head<2>();
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_m);
-  region.min_map.head<2>() = region.min_map.head<2>().cwiseMax(center - reach);
-  region.max_map.head<2>() = region.max_map.head<2>().cwiseMin(center + reach);
+  const Eigen::Vector2d reach =
+      Eigen::Vector2d::Constant((mean - p_odom_in_region()).head<2>().norm());
+  region.min_map.head<2>() = region.min_map.head<2>().cwiseMax(where.min_map - reach);
+  region.max_map.head<2>() = region.max_map.head<2>().cwiseMin(where.max_map + reach);
+  if (where.lowest_m == -MapRegion::kUnlimited) return;
+  const auto [lowest_ground_m, highest_ground_m] =
+      pyramid_->ground().range(region.min_map.head<2>(), region.max_map.head<2>());
+  const double robot_m = view_ground_m_ ? 0.0 : hypotheses_.view().T_odom_body.p.z();
+  const double cell_m = pyramid_->cell_m();
+  region.min_map.z() = mean.z() + where.lowest_m - highest_ground_m - robot_m - cell_m;
+  region.max_map.z() = mean.z() + where.highest_m - lowest_ground_m - robot_m + cell_m;
+}
+
+Eigen::Vector3d FirstPlace::p_odom_in_region() const {
+  return region_->p_odom.value_or(hypotheses_.view().T_odom_body.p);
+}
+
+// To two cells: a search finds no place more exactly.
+bool FirstPlace::is_in_region(const Pose& T_map_odom) const {
+  if (!region_) return true;
+  Eigen::Vector3d below_robot = hypotheses_.view().T_odom_body.p;
+  below_robot.z() = view_ground_m_.value_or(below_robot.z());
+  const double ground_m = (T_map_odom * below_robot).z();
+  return region_->where.contains(T_map_odom * p_odom_in_region(), ground_m, 2.0 * cell_m());
 }
 
 std::optional<Pose> FirstPlace::advance() {
@@ -154,7 +178,7 @@ void FirstPlace::search() {
   if (!has_ended && !is_too_long) return;
   note_explained();
   if (!has_ended || are_too_many) return give_up();
-  for (const FoundPlace& place : places) hypotheses_.add(in_map(place));
+  for (const FoundPlace& place : places) add_storeys_of(in_map(place));
   search_.reset();
 }
 
@@ -176,11 +200,24 @@ void FirstPlace::give_up() {
   was_given_up_ = true;
 }
 
+// Storeys look alike, and the search knows the lowest one only of a robot that drives.
+void FirstPlace::add_storeys_of(const Pose& T_map_odom) {
+  if (is_in_region(T_map_odom)) hypotheses_.add(T_map_odom);
+  if (!view_ground_m_) return;
+  const Eigen::Vector3d p_map = T_map_odom * hypotheses_.view().T_odom_body.p;
+  const double ground_m = pyramid_->ground().at(p_map.x(), p_map.y());
+  for (const double storey_m : storeys_above(map_, p_map.head<2>(), ground_m)) {
+    Pose T_storey_odom = T_map_odom;
+    T_storey_odom.p.z() += storey_m - ground_m;
+    if (is_in_region(T_storey_odom)) hypotheses_.add(T_storey_odom);
+  }
+}
+
 // From the height above the ground to that in the map: of the ground where the robot is.
 Pose FirstPlace::in_map(const FoundPlace& place) const {
   Pose T_map_odom = place.T_map_seen;
   const Eigen::Vector3d p_map = T_map_odom * hypotheses_.view().T_odom_body.p;
-  T_map_odom.p.z() += pyramid_->ground().at(p_map.x(), p_map.y()) - view_ground_m_;
+  T_map_odom.p.z() += pyramid_->ground().at(p_map.x(), p_map.y()) - view_ground_m_.value_or(0.0);
   return T_map_odom;
 }
 

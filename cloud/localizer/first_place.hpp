@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cloud/laser_map/map_regions.hpp"
 #include "cloud/localizer/place_hypotheses.hpp"
 #include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/locate/above_ground.hpp"
@@ -51,11 +52,11 @@ class FirstPlace {
 
   using View = PlaceHypotheses::View;
 
-  /// Where the robot was when its session began, as far as that is known.
+  /// What is known of the place.
   struct Region {
-    Eigen::Vector3d p_map = Eigen::Vector3d::Zero();
-    double radius_m = 0.0;
-    Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< there
+    MapRegion where;
+    /// Of the robot when it was there; none: it is there until it is found.
+    std::optional<Eigen::Vector3d> p_odom;
   };
 
   /// Nothing if the start pose is known so well that it is no region, but a place.
@@ -126,17 +127,21 @@ class FirstPlace {
                                     std::vector<SeenLandmark>& landmarks);
   void restrict_to_region(const std::vector<SeenLandmark>& landmarks, SearchRegion& region) const;
   [[nodiscard]] Pose in_map(const FoundPlace& place) const;
+  void add_storeys_of(const Pose& T_map_odom);
+  [[nodiscard]] bool is_in_region(const Pose& T_map_odom) const;
+  [[nodiscard]] Eigen::Vector3d p_odom_in_region() const;
   void search();
   void note_explained();
   void give_up();
   std::optional<Pose> decide();
 
+  const LaserMap& map_;
   std::shared_ptr<const MapPyramid> pyramid_;
   Config config_;
   std::optional<Region> region_;
   PlaceHypotheses hypotheses_;
 
-  double view_ground_m_ = 0.0;           // below the newest view, in odom; 0 if it is not known
+  std::optional<double> view_ground_m_;  // below the newest view, in odom, if it is known
   std::optional<double> searched_at_m_;  // travelled, of the last search
   double followed_at_m_ = 0.0;           // of the last alignment of places
   bool is_running_ = false;

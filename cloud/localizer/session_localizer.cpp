@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
 constexpr std::size_t kBytesPerLandmark = 900;
+constexpr int kMaxPlaces = 255;  // that an answer tells of
 
 // Along each axis at least these standard deviations.
 Matrix6d raised_to(double sigma_rad, double sigma_m, const Matrix6d& covariance) {
@@ -31,7 +32,8 @@ double distance(const Pose& from, const Pose& to) {
 SessionLocalizer::SessionLocalizer(const RobotSession& session,
                                    std::shared_ptr<const LaserMap> map,
                                    const Config& config,
-                                   std::shared_ptr<const MapPyramid> pyramid)
+                                   std::shared_ptr<const MapPyramid> pyramid,
+                                   const std::optional<MapRegion>& where)
     : map_(std::move(map)),
       config_(config),
       stereo_(session.stereo),
@@ -45,6 +47,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
   std::optional<FirstPlace::Region> region;
   if (session.start) region = FirstPlace::region_of(*session.start, config_.first_place);
   if (region) dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
+  if (where && !session.start) region = FirstPlace::Region{.where = *where, .p_odom = {}};
   const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
   first_place_.emplace(*map_, std::move(pyramid), alignment_, gates, config_.first_place, region);
 }
@@ -380,6 +383,9 @@ LocalizationResult SessionLocalizer::answer(LocalizationStatus status) const {
   result.revision = newest.revision;
   result.stamp = newest.stamp;
   result.map_hash = map_->info().hash;
+  if (first_place_ && status != LocalizationStatus::kLocalized) {
+    result.places = std::min(static_cast<int>(first_place_->places_left()), kMaxPlaces);
+  }
   return result;
 }
 

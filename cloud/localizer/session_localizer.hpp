@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cloud/laser_map/laser_map.hpp"
+#include "cloud/laser_map/map_regions.hpp"
 #include "cloud/localizer/acceptance.hpp"
 #include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/first_place.hpp"
@@ -99,10 +100,12 @@ class SessionLocalizer {
   };
 
   /// @param pyramid  of the map; null: a session without a start pose is never localized
+  /// @param where    part of the map in which such a session's robot is until it is found
   SessionLocalizer(const RobotSession& session,
                    std::shared_ptr<const LaserMap> map,
                    const Config& config,
-                   std::shared_ptr<const MapPyramid> pyramid = nullptr);
+                   std::shared_ptr<const MapPyramid> pyramid = nullptr,
+                   const std::optional<MapRegion>& where = std::nullopt);
 
   void add(const Submap& submap);
 

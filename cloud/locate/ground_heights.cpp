@@ -66,6 +66,22 @@ double GroundHeights::at(double x_m, double y_m) const {
   return heights_[index(x_m, y_m)];
 }
 
+GroundHeights::Range GroundHeights::range(const Eigen::Vector2d& min_map,
+                                          const Eigen::Vector2d& max_map) const {
+  const double first = at(min_map.x(), min_map.y());
+  Range result{first, first};
+  const Eigen::Vector2d size = kCell_m * Eigen::Vector2d(width_, depth_);
+  const Eigen::Vector2d from = min_map.cwiseMax(min_map_);
+  const Eigen::Vector2d to = max_map.cwiseMin(min_map_ + size);
+  for (double y = from.y(); y < to.y() + kCell_m; y += kCell_m) {
+    for (double x = from.x(); x < to.x() + kCell_m; x += kCell_m) {
+      const double height = at(std::min(x, to.x()), std::min(y, to.y()));
+      result = {std::min(result.lowest_m, height), std::max(result.highest_m, height)};
+    }
+  }
+  return result;
+}
+
 // Along one axis, then the other.
 void GroundHeights::widen_lowest() {
   const auto along = [&](int lines, int length, int line_step, int step) {

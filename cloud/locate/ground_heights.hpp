@@ -22,6 +22,13 @@ class GroundHeights {
   /// [m]; beyond the map that at its edge, zero in a map without level surfaces.
   [[nodiscard]] double at(double x_m, double y_m) const;
 
+  struct Range {
+    double lowest_m = 0.0;
+    double highest_m = 0.0;
+  };
+  /// Between two corners [m].
+  [[nodiscard]] Range range(const Eigen::Vector2d& min_map, const Eigen::Vector2d& max_map) const;
+
   [[nodiscard]] const Eigen::Vector2d& min_map() const { return min_map_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int depth() const { return depth_; }

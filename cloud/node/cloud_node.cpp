@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "cloud/laser_map/map_file.hpp"
+#include "cloud/laser_map/map_regions.hpp"
 #include "cloud/locate/pyramid_config.hpp"
 #include "cloud/locate/pyramid_file.hpp"
 #include "cloud/pool/sessions_report.hpp"
@@ -82,7 +83,8 @@ CloudNode::CloudNode(const CloudNodeOptions& options,
             incarnation_of_this_start(),
             map_,
             config.pool,
-            pyramid_of(*map_, options, config.pool.pyramid)),
+            pyramid_of(*map_, options, config.pool.pyramid),
+            load_map_regions(options.map)),
       fleet_(domain_with_profiles(options), options.keys) {
   if (!options.out.empty()) {
     std::filesystem::remove(options.out / kSessions);  // of the start before

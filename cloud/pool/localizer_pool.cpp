@@ -53,9 +53,11 @@ LocalizerPool::LocalizerPool(std::string name,
                              Incarnation incarnation,
                              std::shared_ptr<const LaserMap> map,
                              const Config& config,
-                             std::shared_ptr<const MapPyramid> pyramid)
+                             std::shared_ptr<const MapPyramid> pyramid,
+                             MapRegions regions)
     : map_(std::move(map)),
       pyramid_(std::move(pyramid)),
+      regions_(std::move(regions)),
       config_(config),
       writers_(config.protocol.sessions.silence_s),
       protocol_({.name = name, .incarnation = incarnation, .map_hash = map_->info().hash},
@@ -113,7 +115,8 @@ void LocalizerPool::open(const RobotSession& session,
   Robot& robot = robots_[session.robot];
   const auto before =
       std::exchange(robot.localizer,
-                    std::make_shared<SessionLocalizer>(session, map_, config_.localizer, pyramid_));
+                    std::make_shared<SessionLocalizer>(
+                        session, map_, config_.localizer, pyramid_, region_of(session)));
   if (change == Change::kOpened) report_.open(session.robot);
   report_.of(session.robot).search = {};
   if (change == Change::kNewStart) {  // the first of them has the data, unless it was taken over
@@ -128,6 +131,17 @@ void LocalizerPool::open(const RobotSession& session,
   report_.log(session.robot + ": session " +
               std::to_string(static_cast<std::uint32_t>(session.session)) +
               (change == Change::kReplaced ? " replaces the one before" : " opened"));
+}
+
+// Who is in a region that the map does not have is not searched for elsewhere: what looks like the
+// place there may be one of another storey.
+std::optional<MapRegion> LocalizerPool::region_of(const RobotSession& session) {
+  if (session.region.empty() || session.start) return std::nullopt;
+  const auto found = regions_.find(session.region);
+  if (found != regions_.end()) return found->second;
+  report_.log(session.robot + ": is in region '" + session.region +
+              "', which the map does not have: it is not searched for");
+  return MapRegion::nowhere();
 }
 
 void LocalizerPool::receive_submap(Submap submap, std::size_t bytes, Timestamp now) {

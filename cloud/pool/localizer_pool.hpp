@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cloud/laser_map/laser_map.hpp"
+#include "cloud/laser_map/map_regions.hpp"
 #include "cloud/localizer/session_localizer.hpp"
 #include "cloud/locate/pyramid_config.hpp"
 #include "cloud/pool/early_samples.hpp"
@@ -58,11 +59,13 @@ class LocalizerPool {
   };
 
   /// @param pyramid  of the map; null: robots without a start pose are never localized
+  /// @param regions  of the map, in which robots may say that they are
   LocalizerPool(std::string name,
                 Incarnation incarnation,
                 std::shared_ptr<const LaserMap> map,
                 const Config& config,
-                std::shared_ptr<const MapPyramid> pyramid = nullptr);
+                std::shared_ptr<const MapPyramid> pyramid = nullptr,
+                MapRegions regions = {});
 
   void receive(const Message& message, Timestamp now);
 
@@ -121,10 +124,12 @@ class LocalizerPool {
   void receive_status(const RobotStatus& status, std::size_t bytes, Timestamp now);
   void open(const RobotSession& session, SessionProtocol::Change change, Timestamp now);
   void end(const RobotId& robot, const std::string& why);
+  [[nodiscard]] std::optional<MapRegion> region_of(const RobotSession& session);
   void clean_up(Timestamp now);
 
   std::shared_ptr<const LaserMap> map_;
   std::shared_ptr<const MapPyramid> pyramid_;
+  MapRegions regions_;
   Config config_;
   SenderBinding writers_;
   SessionProtocol protocol_;

@@ -57,7 +57,8 @@ void SimulatedLocalizers::apply(const LocalizerPlan::Event& event, Timestamp now
 void SimulatedLocalizers::start(const std::string& name, Localizer& localizer) {
   localizer.end = network_.join_cloud(name);
   localizer.cloud = std::make_unique<SimulatedCloud>(
-      LocalizerPool(name, Incarnation{++localizer.starts}, map_, config_.pool, pyramid_),
+      LocalizerPool(
+          name, Incarnation{++localizer.starts}, map_, config_.pool, pyramid_, config_.regions),
       *localizer.end,
       config_.localization_time,
       config_.cpu_clock);

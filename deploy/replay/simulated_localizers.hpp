@@ -20,6 +20,7 @@ class SimulatedLocalizers {
  public:
   struct Config {
     LocalizerPool::Config pool;
+    MapRegions regions;
     Duration localization_time{};
     std::function<Duration()> cpu_clock;  ///< only for reports; may be null
   };

@@ -64,6 +64,7 @@ struct Arguments {
   std::string map;
   std::optional<std::string> initial_pose;
   std::optional<std::string> initial_sigma;
+  std::optional<std::string> initial_region;
   std::string faults;
   std::string localizers;
   std::string encoding;
@@ -89,6 +90,10 @@ ConfigReader effective(const Program& program, const Arguments& arguments) {
         "client: {uplink: {encoding: " + arguments.encoding + "}}", "--encoding"));
   }
   if (arguments.initial_sigma) config.overlay(start_sigma_config(*arguments.initial_sigma));
+  if (arguments.initial_region) {
+    const StartRegion start = start_region(*arguments.initial_region);
+    if (!start.sigma.empty()) config.overlay(start_sigma_config(start.sigma));
+  }
   return config;
 }
 
@@ -107,10 +112,18 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
   app.add_option("--dataset", options.dataset, "folder in the EuRoC/ASL layout")->required();
   app.add_option("--out", options.out, "run folder, is created")->required();
   app.add_option("--map", arguments.map, "laser map, made by fleetloc-map");
-  app.add_option("--initial-pose",
-                 arguments.initial_pose,
-                 "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
-  app.add_option("--initial-sigma", arguments.initial_sigma, "\"m deg\" of that pose, one sigma");
+  auto* pose =
+      app.add_option("--initial-pose",
+                     arguments.initial_pose,
+                     "\"x y z qx qy qz qw\" of the body in the map at the first image [m]");
+  auto* sigma = app.add_option(
+      "--initial-sigma", arguments.initial_sigma, "\"m deg\" of that pose, one sigma");
+  app.add_option("--initial-region",
+                 arguments.initial_region,
+                 "or: where it is searched for, a region of the map by its name, or \"x y radius\" "
+                 "[m]")
+      ->excludes(pose)
+      ->excludes(sigma);
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
       ->check(number_in(0.0, kLongest_s));
   app.add_option("--duration", arguments.duration_s, "seconds of the recording to play")
@@ -138,6 +151,11 @@ void complete(ReplayOptions& options, const Arguments& arguments) {
   if (!arguments.map.empty()) options.map = arguments.map;
   options.duration_s = arguments.duration_s;
   if (arguments.initial_pose) options.T_map_body = pose_from_text(*arguments.initial_pose);
+  if (arguments.initial_region) {
+    const StartRegion start = start_region(*arguments.initial_region);
+    options.region = start.name;
+    options.T_map_body = start.T_map_body;
+  }
   options.link = link_config(arguments.link);
   options.icp_baseline = !arguments.baseline.empty();
   if (!arguments.faults.empty()) {

@@ -147,6 +147,8 @@ Json json_of(const Answer& answer) {
     out["window_s"] = to_seconds(result.stamp - result.oldest_stamp);
     out["T_map_body"] = pose(result.T_map_body);
     out["sigma"] = sigmas(result.covariance);
+  } else {
+    out["places"] = result.places;
   }
   if (answer.correction) out["correction"] = correction_json(*answer.correction);
   return out;
@@ -169,6 +171,7 @@ Json json_of(const RobotSession& session) {
                     {"sigma", sigmas(session.start->covariance)},
                     {"p_odom", vector(session.start->p_odom)}};
   }
+  if (!session.region.empty()) out["region"] = session.region;
   return out;
 }
 

@@ -14,8 +14,14 @@ void SessionAnnouncer::start(const RobotSession& session) {
   newest_start_ = session.start;
 }
 
+void SessionAnnouncer::update_start(const MapOdomEstimate& start) {
+  newest_start_ = start;
+  if (session_) session_->region.clear();
+}
+
 void SessionAnnouncer::drop_start() {
   session_->start.reset();
+  session_->region.clear();
   newest_start_.reset();
 }
 

@@ -25,7 +25,7 @@ class SessionAnnouncer {
   void start(const RobotSession& session);
 
   /// For the next localizer that does not know the session.
-  void update_start(const MapOdomEstimate& start) { newest_start_ = start; }
+  void update_start(const MapOdomEstimate& start);
 
   /// Of the submaps that follow.
   void set_encoding(SubmapEncoding encoding) { session_->encoding = encoding; }

@@ -48,7 +48,8 @@ RobotSetup setup(const RobotNodeOptions& options, const SensorRig& rig) {
           .imu_noise = rig.imu_noise,
           .session = SessionNumber{static_cast<std::uint32_t>(milliseconds)},
           .program_start = Timestamp{now},
-          .T_map_body = options.T_map_body};
+          .T_map_body = options.T_map_body,
+          .region = options.region};
 }
 
 std::function<void(const std::string&)> logger_of(const RobotId& robot) {

@@ -31,6 +31,7 @@ struct RobotNodeOptions {
   double start_s = 0.0;
   std::optional<double> duration_s;
   std::optional<Pose> T_map_body;   ///< at the first image
+  std::string region;               ///< of the map, where it starts; empty: nobody says
   std::filesystem::path last_pose;  ///< keeps the pose for the next start; empty: none does
   std::optional<FleetKeys> keys = std::nullopt;  ///< none: no DDS Security
   std::optional<LinkConfig> link;

@@ -56,6 +56,9 @@ DiagnosticStatus localization(const RobotState& state) {
   if (!state.answer) return status;
   status.values.emplace_back("localizer", state.answer->answer.localizer);
   status.values.emplace_back("last_answer", std::string(name(state.answer->outcome)));
+  if (const int places = state.answer->answer.places; places > 0) {
+    status.values.emplace_back("possible_places", std::to_string(places));
+  }
   if (const auto& innovation = state.answer->innovation) {
     const double angle_rad = innovation->head<3>().norm();
     status.values.emplace_back("innovation_m", text(innovation->tail<3>().norm()));

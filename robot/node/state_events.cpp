@@ -43,7 +43,10 @@ std::optional<std::string> StateEvents::reason_in(const LocalizationOutput& answ
   if (told_ == Quality::kLocalized || status == reason_ || is_soon) return std::nullopt;
   reason_ = status;
   reason_told_ = answer.arrival;
-  return "not localized: " + std::string(name(status)) + ", says " + answer.answer.localizer;
+  const int places = answer.answer.places;
+  return "not localized: " + std::string(name(status)) +
+         (places > 0 ? " (" + std::to_string(places) + " places)" : "") + ", says " +
+         answer.answer.localizer;
 }
 
 }  // namespace fleetloc

@@ -20,7 +20,8 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
       fusion_(make_pose_fusion(inflated(setup_.imu_noise, config.odometry.frame_estimator.noise),
                                config.fusion)),
       session_start_(
-          setup_.T_map_body, config.start, config.odometry.frame_estimator.noise.imu_gaps) {}
+          setup_.T_map_body, config.start, config.odometry.frame_estimator.noise.imu_gaps),
+      region_(setup_.T_map_body ? "" : setup_.region) {}
 
 expected<PoseEstimate, InputRejection> RobotPipeline::add_imu(const ImuSample& sample) {
   ImuSample timed = sample;
@@ -54,6 +55,7 @@ void RobotPipeline::step_clock(const ClockStep& step) {
 // is not of the robot's latest seconds is of another clock: it is placed where it is now.
 void RobotPipeline::place(const GivenPose& given) {
   ++faults_["placements"];
+  region_.clear();
   if (latest_pose_.quality == Quality::kInitializing) {
     return session_start_.place_before_odometry(given);
   }
@@ -136,7 +138,10 @@ void RobotPipeline::take_window(Timestamp now) {
   if (localizer_ == nullptr) return;
   if (window.start) begin_session(window, now);
   const Pose& T_odom_body = window.window->keyframes.back().state.T_odom_body;
-  if (const auto start = start_from_answers(T_odom_body)) localizer_->update_start(*start);
+  if (const auto start = start_from_answers(T_odom_body)) {
+    region_.clear();
+    localizer_->update_start(*start);
+  }
   localizer_->submit(std::move(window.submap), now);
 }
 
@@ -168,6 +173,7 @@ RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& star
   announced.start_stamp = setup_.program_start;
   announced.stereo = rectified(setup_.calibration);
   announced.start = start;
+  announced.region = region_;
   return announced;
 }
 

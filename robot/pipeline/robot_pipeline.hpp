@@ -33,6 +33,7 @@ struct RobotSetup {
       1};  ///< of the first start of the odometry; each reset and placement adds one
   Timestamp program_start{};       ///< a later one replaces the robot's session in the cloud
   std::optional<Pose> T_map_body;  ///< at the first image
+  std::string region = {};  ///< of the map, in which it is until it is found; empty: anywhere
 };
 
 /// Result of one stereo frame.
@@ -137,6 +138,7 @@ class RobotPipeline {
   VisualInertialOdometry odometry_;
   std::unique_ptr<PoseFusion> fusion_;
   SessionStart session_start_;
+  std::string region_;  // empty once more is known
 
   PoseEstimate latest_pose_;  // at the newest IMU sample
   std::vector<FrameOutput> frames_;
@@ -152,5 +154,15 @@ RobotPipeline::Config read_robot_pipeline_config(ConfigReader config);
 /// The part of the configuration that says how uncertain the start pose is.
 /// @param text  "m deg" of position and heading. Throws std::invalid_argument.
 ConfigReader start_sigma_config(const std::string& text);
+
+/// Where a robot starts: in a region that its map has a name for, or within a circle.
+struct StartRegion {
+  std::string name;
+  std::optional<Pose> T_map_body;  ///< of the circle's middle
+  std::string sigma;               ///< of start_sigma_config()
+};
+
+/// @param text  a name, or "x y radius" [m]. Throws std::invalid_argument.
+StartRegion start_region(const std::string& text);
 
 }  // namespace fleetloc

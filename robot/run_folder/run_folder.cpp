@@ -119,7 +119,8 @@ void RunFolder::open() {
   diagnostics_ << "stamp_s,state,since_last_answer_s" << triangle_header("cm")
                << triangle_header("co")
                << ",uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets\n";
-  answers_ << "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg\n";
+  answers_
+      << "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg,places\n";
 }
 
 void RunFolder::begin_part() {
@@ -220,6 +221,7 @@ void RunFolder::add_answer(const AnswerRecord& answer) {
   const std::optional<Vector6d>& innovation = answer.innovation;
   append(line, ",%.4f", innovation ? innovation->tail<3>().norm() : kNaN);
   append(line, ",%.4f", innovation ? innovation->head<3>().norm() / kRadPerDeg : kNaN);
+  line += "," + std::to_string(answer.places);
   answers_ << line << '\n';
 }
 

@@ -41,6 +41,7 @@ struct AnswerRecord {
   bool applied = false;
   /// Of a localized answer's pose from the one known before it, tangent of T_map_body.
   std::optional<Vector6d> innovation;
+  int places = 0;  ///< at which the robot may be, if it is searched for
 };
 
 /// Content of summary.json; SI units unless a name says otherwise.

@@ -50,7 +50,8 @@ void RunRecorder::write(const RobotOutput& output) {
                         .status = answer.answer.status,
                         .reason = name(answer.outcome),
                         .applied = answer.outcome.has_value(),
-                        .innovation = answer.innovation});
+                        .innovation = answer.innovation,
+                        .places = answer.answer.places});
   }
 }
 

@@ -99,7 +99,10 @@ wire::LocalizationResult sample_of(const LocalizationResult& result) {
   sample.stamp_ns(to_wire(result.stamp));
   sample.holding_time_ms(milliseconds(result.holding_time));
   sample.map_hash(result.map_hash);
-  if (result.status != LocalizationStatus::kLocalized) return sample;
+  if (result.status != LocalizationStatus::kLocalized) {
+    sample.places(static_cast<std::uint8_t>(std::clamp(result.places, 0, 255)));
+    return sample;
+  }
   sample.window_ms(milliseconds(result.stamp - result.oldest_stamp));
   set_pose(result, sample);
   return sample;
@@ -163,6 +166,7 @@ Decoded<Answer> decode_answer(std::span<const std::uint8_t> bytes) {
                            .keyframe = KeyframeId{sample.keyframe()},
                            .revision = Revision{sample.revision()},
                            .stamp = stamp,
+                           .places = sample.places(),
                            .oldest_stamp = stamp - milli(sample.window_ms()),
                            .map_hash = sample.map_hash(),
                            .T_map_body = {},

@@ -45,8 +45,11 @@ struct LocalizationResult {
   Acknowledgements acknowledgements;
   LocalizationStatus status{};
   KeyframeId keyframe{};
-  Revision revision{};     ///< of the keyframe that was localized
-  Timestamp stamp;         ///< of the keyframe, the newest of the window behind the answer
+  Revision revision{};  ///< of the keyframe that was localized
+  Timestamp stamp;      ///< of the keyframe, the newest of the window behind the answer
+  /// At which the robot may be, as far as the latest search for it has come; 0..255, 0 if there was
+  /// none, or it has found none. Not if kLocalized.
+  int places = 0;
   Timestamp oldest_stamp;  ///< of the oldest keyframe of that window; only if kLocalized
   MapHash map_hash{};
   Pose T_map_body;                         ///< at stamp; only if kLocalized, like what follows

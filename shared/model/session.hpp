@@ -31,7 +31,10 @@ struct RobotSession {
   Incarnation incarnation{};  ///< of that localizer; others ignore it
   SubmapEncoding encoding = SubmapEncoding::kFull;
   RectifiedStereo stereo;
-  std::optional<MapOdomEstimate> start;  ///< without it the session cannot be localized yet
+  std::optional<MapOdomEstimate> start;  ///< without it the robot has to be searched for,
+  /// in this region of the map until it is found; empty: anywhere. Without a meaning beside a
+  /// start.
+  std::string region;
 };
 
 /// Status of a localizer, for all robots.

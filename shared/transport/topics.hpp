@@ -13,7 +13,7 @@ namespace fleetloc {
 
 /// Of all types and names in idl/. It stands in the names of the topics, so that programs of two
 /// versions never hear each other; see WireVersionWatch.
-inline constexpr int kWireVersion = 1;
+inline constexpr int kWireVersion = 2;
 
 /// A topic is a name, a type of idl/ whose samples are given as Bytes, and the name of the QoS
 /// profile that its endpoints share; the profile is defined in qos_profiles/, never in code.
@@ -24,7 +24,7 @@ struct TopicSpec {
   std::string partition = {};  ///< only endpoints of the same one match; empty: none
 };
 
-/// `fleetloc/1/<receiver>/submap` and so on; names tell receivers apart, since a discovery server
+/// `fleetloc/2/<receiver>/submap` and so on; names tell receivers apart, since a discovery server
 /// matches by names only.
 /// @param receiver  as in Channel::send
 TopicSpec topic_spec(Topic topic, const std::string& receiver);
@@ -37,7 +37,7 @@ TopicSpec pose_topic_spec(const std::string& robot);
 /// tells only those of each other who share a topic.
 TopicSpec versions_topic_spec();
 
-/// `fleetloc/1/monitor/robots` and `fleetloc/1/monitor/localizers`: of localizers, for those who
+/// `fleetloc/2/monitor/robots` and `fleetloc/2/monitor/localizers`: of localizers, for those who
 /// watch the fleet. They have participants of their own, see shared/transport/monitoring.
 TopicSpec served_robots_topic_spec();
 TopicSpec served_localizers_topic_spec();

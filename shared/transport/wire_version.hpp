@@ -13,7 +13,7 @@
 
 namespace fleetloc {
 
-/// What a participant tells of itself in its user data: "fleetloc/1", a robot "fleetloc/1/robot".
+/// What a participant tells of itself in its user data: "fleetloc/2", a robot "fleetloc/2/robot".
 std::string wire_version_text(int version = kWireVersion);
 std::string wire_version_text(ChannelRole role);
 

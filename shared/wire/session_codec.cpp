@@ -27,6 +27,8 @@ Validity check_session_sample(const wire::RobotSession& sample) {
   if (sample.encoding() > wire::COMPACT) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
   if (const Validity valid = check_stereo(sample); !valid) return valid;
+  const bool is_region = sample.region().size() == 0 || is_valid_id(sample.region().to_string());
+  if (!is_region) return unexpected(Malformed::kInvalidId);
   if (const Validity valid = check(sample.p_odom()); !valid) return valid;
   if (const Validity valid = check(sample.T_map_odom()); !valid) return valid;
   return check(sample.covariance());
@@ -53,6 +55,7 @@ Bytes encode(const RobotSession& session) {
   sample.p_odom(to_wire(start.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
+  sample.region(session.region);
   expect_encodable(check_session_sample(sample), "robot session");
   return to_cdr(sample);
 }
@@ -72,7 +75,8 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
                                   .center_px = {sample.center_px()[0], sample.center_px()[1]},
                                   .baseline_m = sample.baseline_m(),
                                   .T_body_cam0 = from_wire(sample.T_body_cam0())},
-                       .start = std::nullopt};
+                       .start = std::nullopt,
+                       .region = sample.region().to_string()};
   if (sample.has_start()) {
     session.start = MapOdomEstimate{.T_map_odom = from_wire(sample.T_map_odom()),
                                     .covariance = from_wire(sample.covariance()),

@@ -1,5 +1,6 @@
 #include "cloud/pool/localizer_pool.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "shared/wire/session_codec.hpp"
@@ -85,6 +86,25 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
   EXPECT_EQ(sent[0].holding_time, milliseconds(50));
   EXPECT_EQ(sent[0].status, LocalizationStatus::kSearching);
   EXPECT_EQ(report("a").rejected.at("searching"), 1);
+}
+
+TEST_F(LocalizerPoolTest, SaysOfARobotThatItIsInARegionThatTheMapDoesNotHave) {
+  LocalizerPool pool("localizer",
+                     Incarnation{3},
+                     map_,
+                     read_localizer_pool_config(defaults()),
+                     nullptr,
+                     {{"hall_B", MapRegion::circle({1.0, 1.0}, 5.0)}});
+  const auto events_of = [&pool](const RobotId& robot, const std::string& region) {
+    RobotSession session = pool_session(robot);
+    session.region = region;
+    pool.receive({Topic::kSession, encode(session)}, at_ms(0));
+    return pool.take_events();
+  };
+  EXPECT_THAT(events_of("a", "hall_B"), testing::ElementsAre("a: session 1 opened"));
+  EXPECT_THAT(events_of("b", "hall_C"),
+              testing::Contains("b: is in region 'hall_C', which the map does not have: it is not "
+                                "searched for"));
 }
 
 TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {

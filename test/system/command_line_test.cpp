@@ -188,6 +188,10 @@ TEST_F(CommandLine, IsCheckedByTheRobot) {
     expect_refused(
         FLEETLOC_ROBOT, with(good, "--initial-sigma", sigma), std::string("'") + sigma + "'");
   }
+  for (const char* region : {"", "hall B", "1 2", "1 2 0"}) {
+    expect_refused(
+        FLEETLOC_ROBOT, with(good, "--initial-region", region), std::string("'") + region + "'");
+  }
   for (const char* id : {"", "a b", "robot/1", "abcdefghijklmnopqrstuvwxyz0123456"}) {
     expect_refused(FLEETLOC_ROBOT, with(good, "--robot-id", id), std::string("'") + id + "'");
   }

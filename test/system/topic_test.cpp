@@ -81,7 +81,7 @@ TEST_F(TopicTest, EchoShowsADecodedSubmapAsJson) {
   int count = 0;
   for (; std::getline(lines, line); ++count) last = nlohmann::json::parse(line);
   EXPECT_EQ(count, 40);
-  EXPECT_EQ(last["topic"], "fleetloc/1/cloud_1/submap");
+  EXPECT_EQ(last["topic"], "fleetloc/2/cloud_1/submap");
   EXPECT_EQ(last["robot"], "robot_1");
   EXPECT_EQ(last["number"], 40);
   ASSERT_TRUE(last.contains("keyframes")) << "the session is reliable, and came before";
@@ -94,7 +94,7 @@ TEST_F(TopicTest, EchoShowsASessionAsText) {
   const Outcome echo = outcome_of({"echo", "session", "--count", "1"});
   EXPECT_EQ(echo.exit_code, 0) << echo.errors;
   EXPECT_THAT(echo.output,
-              AllOf(testing::StartsWith("---\ntopic: fleetloc/1/cloud_1/session\n"),
+              AllOf(testing::StartsWith("---\ntopic: fleetloc/2/cloud_1/session\n"),
                     HasSubstr("robot: robot_1\n"),
                     HasSubstr("  baseline_m: 0.11\n")));
 }
@@ -105,10 +105,10 @@ TEST_F(TopicTest, ListShowsTypesEndpointsAndRates) {
   std::istringstream lines(list.output);
   std::string name, type, writers, readers, rate, bytes;
   std::string line;
-  while (name != "fleetloc/1/cloud_1/submap" && std::getline(lines, line)) {
+  while (name != "fleetloc/2/cloud_1/submap" && std::getline(lines, line)) {
     std::istringstream(line) >> name >> type >> writers >> readers >> rate >> bytes;
   }
-  ASSERT_EQ(name, "fleetloc/1/cloud_1/submap") << list.output;
+  ASSERT_EQ(name, "fleetloc/2/cloud_1/submap") << list.output;
   EXPECT_EQ(type, "fleetloc::wire::CompactSubmap");
   EXPECT_EQ(writers, "1");
   EXPECT_EQ(readers, "1") << "itself is not counted";

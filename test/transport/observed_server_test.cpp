@@ -30,7 +30,7 @@ TEST(TopicObserver, IsToldOfEverythingByADiscoveryServer) {
   EXPECT_TRUE(comes_true([&] {
     const auto topics = observer.topics();
     const auto submaps =
-        std::ranges::find(topics, "fleetloc/1/cloud_1/submap", &ObservedTopic::name);
+        std::ranges::find(topics, "fleetloc/2/cloud_1/submap", &ObservedTopic::name);
     return submaps != topics.end() && submaps->writers == 1 && submaps->readers == 1;
   }));
 }

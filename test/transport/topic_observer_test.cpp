@@ -19,7 +19,7 @@ std::optional<ObservedTopic> find(const TopicObserver& observer, const std::stri
 
 TEST(TopicObserver, CountsWritersAndReadersOfOthersAndSeesThemGo) {
   const TestNetwork network;
-  const std::string name = "fleetloc/1/cloud_1/full_submap";
+  const std::string name = "fleetloc/2/cloud_1/full_submap";
   TopicObserver observer(network.domain(), "loopback", "loopback");
   DdsChannel cloud(on_loopback(network.domain(), ChannelRole::kCloud, "cloud_1"));
   {
@@ -41,8 +41,8 @@ TEST(TopicObserver, CountsWritersAndReadersOfOthersAndSeesThemGo) {
 
 TEST(TopicObserver, GetsTheSamplesThatTheReceiverGets) {
   const TestNetwork network;
-  const std::string submaps = "fleetloc/1/cloud_1/full_submap";
-  const std::string sessions = "fleetloc/1/cloud_1/session";
+  const std::string submaps = "fleetloc/2/cloud_1/full_submap";
+  const std::string sessions = "fleetloc/2/cloud_1/session";
   DdsChannel cloud(on_loopback(network.domain(), ChannelRole::kCloud, "cloud_1"));
   DdsChannel robot(on_loopback(network.domain(), ChannelRole::kRobot, "robot_1"));
   robot.send("cloud_1", session_of("robot_1"), {});
@@ -74,9 +74,9 @@ TEST(TopicObserver, KnowsTopicsByTheirNames) {
                             Topic::kRobotStatus}) {
     EXPECT_EQ(topic_of(topic_spec(topic, "alpha").name), std::pair(topic, std::string("alpha")));
   }
-  EXPECT_EQ(topic_of("fleetloc/1/localizers"), std::pair(Topic::kLocalizerStatus, std::string()));
+  EXPECT_EQ(topic_of("fleetloc/2/localizers"), std::pair(Topic::kLocalizerStatus, std::string()));
   for (const char* name :
-       {"fleetloc/2/localizers", "fleetloc/1/alpha/nothing", "fleetloc/1/", ""}) {
+       {"fleetloc/1/localizers", "fleetloc/2/alpha/nothing", "fleetloc/2/", ""}) {
     EXPECT_FALSE(topic_of(name)) << name;
   }
 }

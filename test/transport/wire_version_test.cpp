@@ -18,7 +18,7 @@ namespace dds = eprosima::fastdds::dds;
 using testing::Contains;
 using testing::HasSubstr;
 
-constexpr const char* kComplaint = "a program (fleetloc-test) has version 2 of the wire";
+constexpr const char* kComplaint = "a program (fleetloc-test) has version 3 of the wire";
 
 /// A program of a later version: of it is known only that it says so, and has the common topic.
 class LaterProgram {
@@ -27,7 +27,7 @@ class LaterProgram {
     auto* factory = dds::DomainParticipantFactory::get_instance();
     dds::DomainParticipantQos qos;
     factory->get_participant_qos_from_profile(profile, qos);
-    const std::string version = wire_version_text(2);
+    const std::string version = wire_version_text(3);
     qos.user_data().setValue({version.begin(), version.end()});
     for (const NamedPeer& peer : named_peers(profile)) {
       eprosima::fastdds::rtps::RemoteServerAttributes server;

@@ -55,7 +55,7 @@ TEST(AnswerSample, RoundTripPreservesEveryField) {
 }
 
 TEST(AnswerSample, RoundTripPreservesEveryStatus) {
-  for (int status = 0; status <= static_cast<int>(LocalizationStatus::kUnconfirmed); ++status) {
+  for (int status = 0; status <= static_cast<int>(LocalizationStatus::kAmbiguous); ++status) {
     Answer sent{some_answer(), {}};
     sent.result.status = static_cast<LocalizationStatus>(status);
     EXPECT_EQ(answer_round_trip(sent).result.status, sent.result.status);
@@ -70,6 +70,16 @@ TEST(AnswerSample, ARejectionHasNoPose) {
   EXPECT_TRUE(received.T_map_body.p.isZero());
   EXPECT_TRUE(received.covariance.isZero());
   EXPECT_EQ(received.oldest_stamp, received.stamp);
+}
+
+TEST(AnswerSample, TellsOfPlacesWhereThereIsNoPose) {
+  Answer sent{some_answer(), {}};
+  sent.result.places = 12;
+  EXPECT_EQ(answer_round_trip(sent).result.places, 0);
+  sent.result.status = LocalizationStatus::kAmbiguous;
+  EXPECT_EQ(answer_round_trip(sent).result.places, 12);
+  sent.result.places = 1000;
+  EXPECT_EQ(answer_round_trip(sent).result.places, 255);
 }
 
 TEST(AnswerSample, ManyCorrectionsAreCutToTheMostInformative) {

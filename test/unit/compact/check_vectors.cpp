@@ -116,6 +116,7 @@ void check_answer(const json& vector) {
   fields.take_into(root.scales);
   fields.take_into(root.entries);
   const json& answer = vector["answer"];
+  expect(fields.take<std::uint8_t>() == answer["places"], "another number of places");
   if (status == 0) {
     expect(upper_triangle<6>(root.squared()) == answer["information"],
            "an information with other bits");

@@ -112,6 +112,7 @@ Answer answer_of(Numbers& numbers, std::uint32_t number) {
                    .keyframe = KeyframeId{200 + number},
                    .revision = Revision{number},
                    .stamp = Timestamp{Duration{1'000'000'007LL * number}},
+                   .places = static_cast<int>(number % 256),
                    .oldest_stamp = Timestamp{Duration{900'000'000LL * number}},
                    .map_hash = {1, 2, 3},
                    .T_map_body = some_pose(numbers, 500.0),
@@ -146,7 +147,8 @@ json answer_json(const Bytes& bytes) {
            {"status", static_cast<std::uint32_t>(sample.status())},
            {"keyframe", sample.keyframe()},
            {"stamp_ns", sample.stamp_ns()},
-           {"window_ms", sample.window_ms()}};
+           {"window_ms", sample.window_ms()},
+           {"places", sample.places()}};
   if (answer.result.status == LocalizationStatus::kLocalized) {
     const CompactRoot<6> root{.scales = sample.information_scale(),
                               .entries = sample.information_root()};

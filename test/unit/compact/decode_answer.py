@@ -134,6 +134,7 @@ def decode_answer(data):
     take("B", 16)  # map
     p_map, rotation = take("d", 3), take("i", 4)
     scales, entries = take("B", 2), take("B", 21)
+    sample["places"] = take("B")
     if sample["status"] == LOCALIZED:
         information = squared(6, scales, [entry - 128 for entry in entries], 1)
         sample.update(p_map=p_map, rotation=rotation, information=information)

@@ -36,6 +36,21 @@ TEST_F(GroundHeightsTest, AreThoseOfTheLowestLevelSurface) {
   }
 }
 
+TEST_F(GroundHeightsTest, HaveARangeBetweenTwoCorners) {
+  add_level(0.0, 20.0, 0.0, 40.0, 1.0);
+  add_level(20.0, 40.0, 0.0, 40.0, 3.0);
+  const GroundHeights ground = heights();
+  const auto expect_range = [&](double x_from, double x_to, double lowest, double highest) {
+    const auto range = ground.range({x_from, 5.0}, {x_to, 30.0});
+    EXPECT_NEAR(range.lowest_m, lowest, 1e-6);
+    EXPECT_NEAR(range.highest_m, highest, 1e-6);
+  };
+  expect_range(2.0, 12.0, 1.0, 1.0);
+  expect_range(30.0, 38.0, 3.0, 3.0);
+  expect_range(2.0, 38.0, 1.0, 3.0);
+  expect_range(-1e9, 1e9, 1.0, 3.0);
+}
+
 TEST_F(GroundHeightsTest, LookPastARoofThatHidesTheGround) {
   add_level(0.0, 16.0, 0.0, 40.0, 1.0);
   add_level(16.0, 20.0, 0.0, 40.0, 6.0);

@@ -56,6 +56,15 @@ TEST(RobotDiagnostics, TellWhoHasAnsweredAndHowFarTheAnswerWasFromThePose) {
   EXPECT_THAT(values, Contains(Pair("innovation_deg", HasSubstr("5.7"))));
 }
 
+TEST(RobotDiagnostics, TellAtHowManyPlacesTheRobotMayBe) {
+  RobotState state;
+  state.pose = pose_of(Quality::kSearching);
+  state.answer.emplace();
+  state.answer->answer.places = 3;
+  const auto values = robot_diagnostics("robot_1", state, {}).at(kLocalization).values;
+  EXPECT_THAT(values, Contains(Pair("possible_places", "3")));
+}
+
 TEST(RobotDiagnostics, NameTopicsThatAreSilentAndCountFaults) {
   EXPECT_EQ(part(kSensors, std::nullopt).level, Level::kOk);
   const SensorState sensors{.silent_topics = {"/imu"},

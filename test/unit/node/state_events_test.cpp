@@ -65,6 +65,14 @@ TEST(StateEvents, TellWhyWhileTheRobotIsNotLocalized) {
   EXPECT_THAT(events.add(answer(40.0, missed)), IsEmpty()) << "one answer of many";
 }
 
+TEST(StateEvents, TellHowManyPlacesAreLeft) {
+  StateEvents events;
+  RobotOutput output = answer(1.0, LocalizationStatus::kAmbiguous);
+  output.answers.front().answer.places = 3;
+  EXPECT_THAT(events.add(output),
+              ElementsAre("not localized: ambiguous (3 places), says localizer_1"));
+}
+
 TEST(StateEvents, TellAReasonAnewAfterAnAnswerWithAPose) {
   StateEvents events;
   const auto unsure = LocalizationStatus::kUnconfirmed;

@@ -43,7 +43,8 @@ class Placement : public testing::Test {
                            .imu_noise = run_.noise(),
                            .session = SessionNumber{7},
                            .program_start = {},
-                           .T_map_body = {}},
+                           .T_map_body = {},
+                           .region = "hall_B"},
                           read_robot_pipeline_config(defaults()),
                           back_end_,
                           &localizer_};
@@ -56,9 +57,11 @@ TEST_F(Placement, BeginsANewSessionAtOnceFromWhereTheRobotHasDrivenSince) {
   play(10.0);
   ASSERT_EQ(localizer_.sessions.size(), 1U);
   EXPECT_FALSE(localizer_.sessions[0].start);
+  EXPECT_EQ(localizer_.sessions[0].region, "hall_B");
   pipeline_.place({.stamp = Timestamp{from_seconds(8.0)}, .T_map_body = truth(8.0)});
   ASSERT_EQ(localizer_.sessions.size(), 2U);
   EXPECT_EQ(localizer_.sessions[1].session, SessionNumber{8});
+  EXPECT_EQ(localizer_.sessions[1].region, "") << "somebody knows better";
   EXPECT_EQ(localizer_.sessions[1].start_stamp, localizer_.sessions[0].start_stamp);
   EXPECT_LT(start_error_m(), 0.1);
   play(12.0);

@@ -27,7 +27,7 @@ constexpr const char* kDiagnosticsHeader =
     "uplink_bytes,downlink_bytes,loss,round_trip_s,tracks,keyframe,resets";
 
 constexpr const char* kAnswersHeader =
-    "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg";
+    "stamp_s,arrival_s,localizer,status,reason,applied,innovation_m,innovation_deg,places";
 
 TEST_F(RunFolderTest, MakesTheFolderAndNamesTheColumns) {
   RunFolder(folder_ / "deep" / "run").finish({});
@@ -112,16 +112,18 @@ TEST_F(RunFolderTest, WritesWhatBecameOfEachAnswer) {
   applied.innovation = Vector6d{0.0, 0.0, 0.01, 0.3, 0.0, 0.4};
   run.add_answer(applied);
   run.add_answer(answer(LocalizationStatus::kLocalized, "gated"));
-  run.add_answer(answer(LocalizationStatus::kTooFewMatches, ""));
+  AnswerRecord ambiguous = answer(LocalizationStatus::kAmbiguous, "");
+  ambiguous.places = 3;
+  run.add_answer(ambiguous);
   run.finish({});
   const auto lines = lines_of(folder_ / "answers.csv");
   EXPECT_THAT(
       lines,
       ElementsAre(
           kAnswersHeader,
-          "1403715275.000000000,1403715275.250000000,localizer_1,localized,,1,0.5000,0.5730",
-          "1403715275.000000000,1403715275.250000000,localizer_1,localized,gated,0,nan,nan",
-          "1403715275.000000000,1403715275.250000000,localizer_1,too_few_matches,,0,nan,nan"));
+          "1403715275.000000000,1403715275.250000000,localizer_1,localized,,1,0.5000,0.5730,0",
+          "1403715275.000000000,1403715275.250000000,localizer_1,localized,gated,0,nan,nan,0",
+          "1403715275.000000000,1403715275.250000000,localizer_1,ambiguous,,0,nan,nan,3"));
 }
 
 TEST_F(RunFolderTest, KeepsTheConfiguration) {

@@ -34,15 +34,15 @@ TEST(SampleDecoder, ShowsACompactSubmapOnceItsSessionIsKnown) {
   const Bytes bytes =
       encode_compact(submap, {.newest = 12, .loss = 0.2, .age = {}}, {}, some_stereo());
   SampleDecoder decoder;
-  const Json early = decoder.decode("fleetloc/1/alpha/submap", bytes);
+  const Json early = decoder.decode("fleetloc/2/alpha/submap", bytes);
   EXPECT_EQ(early["number"], 40);
   EXPECT_THAT(early["error"].get<std::string>(), HasSubstr("session"));
   EXPECT_FALSE(early.contains("keyframes"));
 
-  const Json session = decoder.decode("fleetloc/1/alpha/session", encode(session_of(submap)));
+  const Json session = decoder.decode("fleetloc/2/alpha/session", encode(session_of(submap)));
   EXPECT_EQ(session["encoding"], "compact");
   EXPECT_EQ(session["stereo"]["focal_px"], 458.0);
-  const Json shown = decoder.decode("fleetloc/1/alpha/submap", bytes);
+  const Json shown = decoder.decode("fleetloc/2/alpha/submap", bytes);
   EXPECT_FALSE(shown.contains("error"));
   EXPECT_EQ(shown["answer"], 12);
   ASSERT_EQ(shown["keyframes"].size(), 3);
@@ -63,16 +63,16 @@ TEST(SampleDecoder, DoesNotTakeTheCalibrationOfAnotherSession) {
   RobotSession other = session_of(submap);
   other.session = SessionNumber{4};
   SampleDecoder decoder;
-  decoder.decode("fleetloc/1/alpha/session", encode(other));
+  decoder.decode("fleetloc/2/alpha/session", encode(other));
   EXPECT_TRUE(
-      decoder.decode("fleetloc/1/alpha/submap", encode_compact(submap, {}, {}, some_stereo()))
+      decoder.decode("fleetloc/2/alpha/submap", encode_compact(submap, {}, {}, some_stereo()))
           .contains("error"));
 }
 
 TEST(SampleDecoder, ShowsAnswersWithTheirCorrections) {
   SampleDecoder decoder;
   const LocalizationResult result = some_answer();
-  const Json shown = decoder.decode("fleetloc/1/robot_1/localization",
+  const Json shown = decoder.decode("fleetloc/2/robot_1/localization",
                                     encode(Answer{result, some_correction()}, 1200));
   EXPECT_EQ(shown["status"], "localized");
   EXPECT_NEAR(shown["T_map_body"]["translation"][0].get<double>(), result.T_map_body.p.x(), 1e-9);
@@ -83,13 +83,13 @@ TEST(SampleDecoder, ShowsAnswersWithTheirCorrections) {
 TEST(SampleDecoder, ShowsStatusesAndPoses) {
   SampleDecoder decoder;
   EXPECT_EQ(
-      decoder.decode("fleetloc/1/localizers",
+      decoder.decode("fleetloc/2/localizers",
                      encode(LocalizerStatus{.localizer = "alpha", .sessions = 3}))["sessions"],
       3);
   RobotStatus status;
   status.robot = "robot_1";
   status.quality = Quality::kLost;
-  EXPECT_EQ(decoder.decode("fleetloc/1/alpha/robot_status", encode(status))["quality"], "lost");
+  EXPECT_EQ(decoder.decode("fleetloc/2/alpha/robot_status", encode(status))["quality"], "lost");
   RobotPoseEstimate pose{.robot = "robot_1", .estimate = {}};
   pose.estimate.T_map_body = Pose{Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}};
   EXPECT_EQ(decoder.decode("fleetloc/pose", encode(pose))["T_map_body"]["translation"][2], 3.0);
@@ -97,12 +97,12 @@ TEST(SampleDecoder, ShowsStatusesAndPoses) {
 
 TEST(SampleDecoder, SaysWhatIsWrongWithASample) {
   SampleDecoder decoder;
-  for (const char* topic : {"fleetloc/1/localizers",
-                            "fleetloc/1/a/session",
-                            "fleetloc/1/a/submap",
-                            "fleetloc/1/a/full_submap",
-                            "fleetloc/1/a/robot_status",
-                            "fleetloc/1/a/localization",
+  for (const char* topic : {"fleetloc/2/localizers",
+                            "fleetloc/2/a/session",
+                            "fleetloc/2/a/submap",
+                            "fleetloc/2/a/full_submap",
+                            "fleetloc/2/a/robot_status",
+                            "fleetloc/2/a/localization",
                             "fleetloc/pose"}) {
     EXPECT_EQ(decoder.decode(topic, Bytes{0, 1, 0, 0, 255}), (Json{{"error", "undecodable"}}))
         << topic;

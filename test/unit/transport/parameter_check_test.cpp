@@ -47,7 +47,7 @@ bool is_taken(std::uint16_t id,
 
 TEST(ParameterCheck, KnowsNames) {
   for (const std::uint16_t id : std::initializer_list<std::uint16_t>{0x0005, 0x0007, 0x0062}) {
-    EXPECT_TRUE(is_taken(id, texts({"fleetloc/1/submap"})));
+    EXPECT_TRUE(is_taken(id, texts({"fleetloc/2/submap"})));
     EXPECT_TRUE(is_taken(id, texts({""})));
     EXPECT_FALSE(is_taken(id, counted(kHuge, {'a', 0, 0, 0})));
     EXPECT_FALSE(is_taken(id, counted(5, {'a', 0, 0, 0})));

@@ -69,19 +69,20 @@ inline Submap some_submap(int keyframes = 3, int observations = 5) {
 }
 
 inline RobotSession some_session() {
-  return {
-      .robot = "robot_1",
-      .session = SessionNumber{4'294'967'295},
-      .start_stamp = Timestamp{Duration{1'403'636'579'763'555'584}},
-      .localizer = "cloud-with-a-name-of-32-characte",
-      .incarnation = Incarnation{4'000'000'000},
-      .encoding = SubmapEncoding::kFull,
-      .stereo = {.focal_px = 458.654,
-                 .center_px = {1024.0, 1024.0},
-                 .baseline_m = 0.11,
-                 .T_body_cam0 = some_pose(0.3)},
-      .start = MapOdomEstimate{
-          .T_map_odom = some_pose(4.0), .covariance = some_matrix(), .p_odom = {40.0, -50.0, 0.5}}};
+  return {.robot = "robot_1",
+          .session = SessionNumber{4'294'967'295},
+          .start_stamp = Timestamp{Duration{1'403'636'579'763'555'584}},
+          .localizer = "cloud-with-a-name-of-32-characte",
+          .incarnation = Incarnation{4'000'000'000},
+          .encoding = SubmapEncoding::kFull,
+          .stereo = {.focal_px = 458.654,
+                     .center_px = {1024.0, 1024.0},
+                     .baseline_m = 0.11,
+                     .T_body_cam0 = some_pose(0.3)},
+          .start = MapOdomEstimate{.T_map_odom = some_pose(4.0),
+                                   .covariance = some_matrix(),
+                                   .p_odom = {40.0, -50.0, 0.5}},
+          .region = "hall_B"};
 }
 
 inline LocalizationResult some_answer() {

@@ -38,14 +38,17 @@ TEST(SessionCodec, RoundTripPreservesTheLackOfAStart) {
   RobotSession sent = some_session();
   sent.start.reset();
   sent.encoding = SubmapEncoding::kCompact;
+  sent.region = "hall_B";
   const auto received = decode_robot_session(encode(sent)).value();
   EXPECT_FALSE(received.start);
   EXPECT_EQ(received.encoding, SubmapEncoding::kCompact);
+  EXPECT_EQ(received.region, sent.region);
 }
 
 TEST(SessionCodec, RefusesWithAReason) {
   using enum Malformed;
   expect_session_refused(kInvalidId, [](auto& sample) { sample.localizer("a b"); });
+  expect_session_refused(kInvalidId, [](auto& sample) { sample.region("a b"); });
   expect_session_refused(
       kUnknownValue, [](auto& sample) { sample.encoding(static_cast<wire::SubmapEncoding>(2)); });
   expect_session_refused(kOutOfRange, [](auto& sample) { sample.focal_px(0.0); });
@@ -65,6 +68,9 @@ TEST(SessionCodec, RefusesWithAReason) {
 TEST(SessionCodec, TellsWhatItCannotEncode) {
   RobotSession session = some_session();
   session.localizer = "a-name-of-more-than-32-characters";
+  EXPECT_THROW(encode(session), NotEncodable);
+  session = some_session();
+  session.region = "hall B";
   EXPECT_THROW(encode(session), NotEncodable);
   session = some_session();
   session.start->covariance(0, 1) += 1e6;
