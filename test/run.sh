@@ -109,8 +109,8 @@ if [ "$mode" = tidy ]; then
   sh deploy/install-deps.sh clang-format clang-tidy || exit $?
   tidy "${2:-}"
 else
-  # A packet filter, another kind of computer, and DDS of another vendor.
-  sh deploy/install-deps.sh nftables g++-aarch64-linux-gnu qemu-user-static \
-    cyclonedds-dev cyclonedds-tools || exit $?
+  # A packet filter, a tunnel, another kind of computer, and DDS of another vendor.
+  sh deploy/install-deps.sh nftables wireguard-tools wireguard-go g++-aarch64-linux-gnu \
+    qemu-user-static cyclonedds-dev cyclonedds-tools || exit $?
   run_tests "$mode"
 fi
