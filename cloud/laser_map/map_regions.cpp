@@ -71,12 +71,11 @@ MapRegion MapRegion::nowhere() {
           .max_map = Eigen::Vector2d::Constant(-kFar_m)};
 }
 
-bool MapRegion::contains(const Eigen::Vector3d& p_map, double ground_m, double margin_m) const {
-  const Eigen::Vector2d p = p_map.head<2>();
-  const bool is_inside = (p.array() >= min_map.array() - margin_m).all() &&
-                         (p.array() <= max_map.array() + margin_m).all();
-  if (!is_inside || ground_m < lowest_m - margin_m || ground_m > highest_m + margin_m) return false;
-  return radius_m == kUnlimited || (p - 0.5 * (min_map + max_map)).norm() <= radius_m + margin_m;
+bool MapRegion::has(const Eigen::Vector2d& p_map, double margin_m) const {
+  const bool is_inside = (p_map.array() >= min_map.array() - margin_m).all() &&
+                         (p_map.array() <= max_map.array() + margin_m).all();
+  if (!is_inside || radius_m == kUnlimited) return is_inside;
+  return (p_map - 0.5 * (min_map + max_map)).norm() <= radius_m + margin_m;
 }
 
 std::filesystem::path map_regions_file(const std::filesystem::path& pcd_file) {

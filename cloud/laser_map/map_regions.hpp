@@ -11,7 +11,7 @@
 
 namespace fleetloc {
 
-/// A part of a map in which a robot is: upright walls about a rectangle or a circle, and levels.
+/// A part of a map: between upright walls about a rectangle or a circle, and of some storeys.
 struct MapRegion {
   static constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
@@ -26,10 +26,12 @@ struct MapRegion {
   /// Where nothing is.
   static MapRegion nowhere();
 
-  /// @param p_map     of the robot
-  /// @param ground_m  of lowest_m and highest_m
   /// @param margin_m  beside the region that belongs to it
-  [[nodiscard]] bool contains(const Eigen::Vector3d& p_map, double ground_m, double margin_m) const;
+  [[nodiscard]] bool has(const Eigen::Vector2d& p_map, double margin_m) const;
+  /// @param ground_m  that the robot stands on
+  [[nodiscard]] bool has_storey(double ground_m, double margin_m) const {
+    return ground_m >= lowest_m - margin_m && ground_m <= highest_m + margin_m;
+  }
 };
 
 /// By the names that people give them.

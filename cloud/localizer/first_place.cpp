@@ -125,8 +125,8 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
   return region;
 }
 
-// Wherever it looked from there, the landmarks' mean is as far from the robot's place in the
-// region. A storey is so much above the map's ground as that is uneven there.
+// Wherever it looked from there, the landmarks' mean is as far from where it began. A storey is so
+// much above the map's ground as that is uneven there.
 void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
                                     SearchRegion& region) const {
   const MapRegion& where = region_->where;
@@ -134,29 +134,34 @@ void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
   for (const SeenLandmark& landmark : landmarks) mean += landmark.p;
   mean /= static_cast<double>(landmarks.size());
   const Eigen::Vector2d reach =
-      Eigen::Vector2d::Constant((mean - p_odom_in_region()).head<2>().norm());
+      Eigen::Vector2d::Constant((mean - region_->p_odom).head<2>().norm());
   region.min_map.head<2>() = region.min_map.head<2>().cwiseMax(where.min_map - reach);
   region.max_map.head<2>() = region.max_map.head<2>().cwiseMin(where.max_map + reach);
-  if (where.lowest_m == -MapRegion::kUnlimited) return;
+  if (!region_->has_borders) return;
+  const double cell_m = pyramid_->cell_m();
+  region.is_possible = [this](const Pose& T_map_seen) { return is_in_region(in_map(T_map_seen)); };
+  if (!is_storey_told()) return;
   const auto [lowest_ground_m, highest_ground_m] =
       pyramid_->ground().range(region.min_map.head<2>(), region.max_map.head<2>());
   const double robot_m = view_ground_m_ ? 0.0 : hypotheses_.view().T_odom_body.p.z();
-  const double cell_m = pyramid_->cell_m();
   region.min_map.z() = mean.z() + where.lowest_m - highest_ground_m - robot_m - cell_m;
   region.max_map.z() = mean.z() + where.highest_m - lowest_ground_m - robot_m + cell_m;
 }
 
-Eigen::Vector3d FirstPlace::p_odom_in_region() const {
-  return region_->p_odom.value_or(hypotheses_.view().T_odom_body.p);
+// Above the ground, if that is known, or above what is told of it otherwise: itself.
+double FirstPlace::body_height_m() const {
+  return view_ground_m_ ? hypotheses_.view().T_odom_body.p.z() - *view_ground_m_ : 0.0;
 }
 
-// To two cells: a search finds no place more exactly.
+bool FirstPlace::is_storey_told() const {
+  return region_ && region_->has_borders && region_->where.lowest_m > -MapRegion::kUnlimited;
+}
+
+// As exactly as a search finds places.
 bool FirstPlace::is_in_region(const Pose& T_map_odom) const {
-  if (!region_) return true;
-  Eigen::Vector3d below_robot = hypotheses_.view().T_odom_body.p;
-  below_robot.z() = view_ground_m_.value_or(below_robot.z());
-  const double ground_m = (T_map_odom * below_robot).z();
-  return region_->where.contains(T_map_odom * p_odom_in_region(), ground_m, 2.0 * cell_m());
+  const Eigen::Vector3d p_map = T_map_odom * region_->p_odom;
+  return region_->where.has(p_map.head<2>(), 2.0 * cell_m()) &&
+         region_->where.has_storey(p_map.z() - body_height_m(), cell_m());
 }
 
 std::optional<Pose> FirstPlace::advance() {
@@ -178,7 +183,7 @@ void FirstPlace::search() {
   if (!has_ended && !is_too_long) return;
   note_explained();
   if (!has_ended || are_too_many) return give_up();
-  for (const FoundPlace& place : places) add_storeys_of(in_map(place));
+  for (const FoundPlace& place : places) add_with_storeys(in_map(place.T_map_seen));
   search_.reset();
 }
 
@@ -200,22 +205,23 @@ void FirstPlace::give_up() {
   was_given_up_ = true;
 }
 
-// Storeys look alike, and the search knows the lowest one only of a robot that drives.
-void FirstPlace::add_storeys_of(const Pose& T_map_odom) {
-  if (is_in_region(T_map_odom)) hypotheses_.add(T_map_odom);
-  if (!view_ground_m_) return;
+// Storeys look alike, and of a robot that drives only the lowest ground has been searched, unless
+// its storey is told.
+void FirstPlace::add_with_storeys(const Pose& T_map_odom) {
+  hypotheses_.add(T_map_odom);
+  if (!view_ground_m_ || is_storey_told()) return;
   const Eigen::Vector3d p_map = T_map_odom * hypotheses_.view().T_odom_body.p;
   const double ground_m = pyramid_->ground().at(p_map.x(), p_map.y());
   for (const double storey_m : storeys_above(map_, p_map.head<2>(), ground_m)) {
     Pose T_storey_odom = T_map_odom;
     T_storey_odom.p.z() += storey_m - ground_m;
-    if (is_in_region(T_storey_odom)) hypotheses_.add(T_storey_odom);
+    hypotheses_.add(T_storey_odom);
   }
 }
 
 // From the height above the ground to that in the map: of the ground where the robot is.
-Pose FirstPlace::in_map(const FoundPlace& place) const {
-  Pose T_map_odom = place.T_map_seen;
+Pose FirstPlace::in_map(const Pose& T_map_seen) const {
+  Pose T_map_odom = T_map_seen;
   const Eigen::Vector3d p_map = T_map_odom * hypotheses_.view().T_odom_body.p;
   T_map_odom.p.z() += pyramid_->ground().at(p_map.x(), p_map.y()) - view_ground_m_.value_or(0.0);
   return T_map_odom;
@@ -224,6 +230,9 @@ Pose FirstPlace::in_map(const FoundPlace& place) const {
 // Places that are followed are not all there are: only a search tells that none but one is left.
 std::optional<Pose> FirstPlace::decide() {
   is_running_ = false;
+  if (region_ && region_->has_borders) {  // which an alignment may have moved a place across
+    hypotheses_.drop_if([this](const Pose& T_map_odom) { return !is_in_region(T_map_odom); });
+  }
   hypotheses_.keep_likely(static_cast<std::size_t>(config_.max_places));
   const std::vector<PlaceHypotheses::Place>& places = hypotheses_.places();
   places_left_ = places.size();

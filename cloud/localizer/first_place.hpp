@@ -52,11 +52,12 @@ class FirstPlace {
 
   using View = PlaceHypotheses::View;
 
-  /// What is known of the place.
+  /// Where the robot was when its session began, as far as that is known.
   struct Region {
     MapRegion where;
-    /// Of the robot when it was there; none: it is there until it is found.
-    std::optional<Eigen::Vector3d> p_odom;
+    Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< of the body there
+    /// Places beyond are none; otherwise it only says where to look.
+    bool has_borders = false;
   };
 
   /// Nothing if the start pose is known so well that it is no region, but a place.
@@ -71,6 +72,9 @@ class FirstPlace {
              const RigidAlignment::Gates& gates,
              const Config& config,
              const std::optional<Region>& region = std::nullopt);
+
+  FirstPlace(const FirstPlace&) = delete;  // its search refers to it
+  FirstPlace& operator=(const FirstPlace&) = delete;
 
   /// Whether places are to be searched or followed.
   /// @param way_m        by the odometry, from the window's oldest to its newest keyframe
@@ -126,10 +130,11 @@ class FirstPlace {
   SearchRegion heights_above_ground(const std::optional<double>& camera_height_m,
                                     std::vector<SeenLandmark>& landmarks);
   void restrict_to_region(const std::vector<SeenLandmark>& landmarks, SearchRegion& region) const;
-  [[nodiscard]] Pose in_map(const FoundPlace& place) const;
-  void add_storeys_of(const Pose& T_map_odom);
+  [[nodiscard]] Pose in_map(const Pose& T_map_seen) const;
+  void add_with_storeys(const Pose& T_map_odom);
+  [[nodiscard]] bool is_storey_told() const;
   [[nodiscard]] bool is_in_region(const Pose& T_map_odom) const;
-  [[nodiscard]] Eigen::Vector3d p_odom_in_region() const;
+  [[nodiscard]] double body_height_m() const;
   void search();
   void note_explained();
   void give_up();

@@ -58,6 +58,10 @@ void PlaceHypotheses::end_alignment() {
   running_.reset();
 }
 
+void PlaceHypotheses::drop_if(const std::function<bool(const Pose&)>& is_impossible) {
+  std::erase_if(places_, [&](const Place& place) { return is_impossible(place.T_map_odom); });
+}
+
 void PlaceHypotheses::keep_likely(std::size_t max_places) {
   std::ranges::sort(places_, {}, &Place::score);
   std::vector<Place> kept;

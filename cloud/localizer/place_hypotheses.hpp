@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -61,6 +62,9 @@ class PlaceHypotheses {
   /// Goes on with the alignment of those that wait, one after another.
   /// @return whether one was left
   bool align_next();
+
+  /// Once all are aligned: drops those whose T_map_odom this holds for.
+  void drop_if(const std::function<bool(const Pose&)>& is_impossible);
 
   /// Once all are aligned: keeps those of which the best one is not certain, so many at most.
   void keep_likely(std::size_t max_places);

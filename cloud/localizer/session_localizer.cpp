@@ -47,7 +47,10 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
   std::optional<FirstPlace::Region> region;
   if (session.start) region = FirstPlace::region_of(*session.start, config_.first_place);
   if (region) dead_reckoning_ = DeadReckoning(std::nullopt, config_.drift);
-  if (where && !session.start) region = FirstPlace::Region{.where = *where, .p_odom = {}};
+  if (where && session.region) {
+    region =
+        FirstPlace::Region{.where = *where, .p_odom = session.region->p_odom, .has_borders = true};
+  }
   const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
   first_place_.emplace(*map_, std::move(pyramid), alignment_, gates, config_.first_place, region);
 }
@@ -383,10 +386,15 @@ LocalizationResult SessionLocalizer::answer(LocalizationStatus status) const {
   result.revision = newest.revision;
   result.stamp = newest.stamp;
   result.map_hash = map_->info().hash;
-  if (first_place_ && status != LocalizationStatus::kLocalized) {
-    result.places = std::min(static_cast<int>(first_place_->places_left()), kMaxPlaces);
-  }
+  result.places = places_left();
   return result;
+}
+
+int SessionLocalizer::places_left() const {
+  const bool is_searched_for = !dead_reckoning_.has_anchor() || acceptance_.is_lost();
+  if (!first_place_ || !is_searched_for) return 0;
+  if (first_place_->is_off_map() && !first_place_->is_ambiguous()) return 0;
+  return std::min(static_cast<int>(first_place_->places_left()), kMaxPlaces);
 }
 
 std::optional<Correction> SessionLocalizer::correction(Duration round_trip) const {

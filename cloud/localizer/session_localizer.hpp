@@ -100,7 +100,7 @@ class SessionLocalizer {
   };
 
   /// @param pyramid  of the map; null: a session without a start pose is never localized
-  /// @param where    part of the map in which such a session's robot is until it is found
+  /// @param where    part of the map, if the session has a region
   SessionLocalizer(const RobotSession& session,
                    std::shared_ptr<const LaserMap> map,
                    const Config& config,
@@ -160,6 +160,7 @@ class SessionLocalizer {
   [[nodiscard]] bool has_found_start() const {
     return found_at_m_ && !dead_reckoning_.is_localized();
   }
+  [[nodiscard]] int places_left() const;
   [[nodiscard]] Rejection not_ready(Rejection reason) const;
   [[nodiscard]] SessionDatabase unexplained() const;
   void begin_search(double travelled_m);

@@ -26,6 +26,7 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
                          const Config& config)
     : map_(map),
       config_(config),
+      is_possible_(region.is_possible),
       first_(floored(region.min_map / map.cell_m())),
       last_(floored(region.max_map / map.cell_m())) {
   if (landmarks.empty()) return;
@@ -133,7 +134,10 @@ void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
     bound += weights_[i] * value(level, i, landmarks[i], at);
   }
   evaluations_ += landmarks.size();
-  if (level == kLeaf) best_leaf_ = std::max(best_leaf_, bound);
+  if (level == kLeaf) {
+    if (is_possible_ && !is_possible_(pose_of(yaw, at))) return;
+    best_leaf_ = std::max(best_leaf_, bound);
+  }
   if (bound < config_.min_share * best_leaf_) {
     best_dropped_ = std::max(best_dropped_, bound);
     return;
@@ -163,17 +167,20 @@ void PlaceSearch::split(const Node& node) {
 
 // Leaves come in the order of their score: the first one of a place is its best.
 void PlaceSearch::take(const Node& leaf) {
-  const double yaw = yaw_of(static_cast<std::size_t>(leaf.yaw), turned_.front().size());
-  const Eigen::Vector3d center_map = map_.cell_m() * leaf.at.cast<double>();
+  const Pose T = pose_of(leaf.yaw, leaf.at);
   const auto is_same = [&](const FoundPlace& place) {
-    const Pose there = place.T_map_seen;
-    return (there * center_ - center_map).norm() < config_.same_m &&
-           log_so3(there.R.conjugate() * exp_so3({0.0, 0.0, yaw})).norm() < config_.same_rad;
+    const Pose& there = place.T_map_seen;
+    return (there * center_ - T * center_).norm() < config_.same_m &&
+           log_so3(there.R.conjugate() * T.R).norm() < config_.same_rad;
   };
-  if (std::ranges::any_of(places_, is_same)) return;
-  Pose T = turned_about_z(yaw, Eigen::Vector3d::Zero());
-  T.p = center_map - T.R * center_;
-  places_.push_back({T, score_of(leaf)});
+  if (std::ranges::none_of(places_, is_same)) places_.push_back({T, score_of(leaf)});
+}
+
+Pose PlaceSearch::pose_of(int yaw, const Eigen::Vector3i& at) const {
+  const double angle = yaw_of(static_cast<std::size_t>(yaw), turned_.front().size());
+  Pose T = turned_about_z(angle, Eigen::Vector3d::Zero());
+  T.p = map_.cell_m() * at.cast<double>() - T.R * center_;
+  return T;
 }
 
 bool PlaceSearch::advance(std::size_t evaluations) {

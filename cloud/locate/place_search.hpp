@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <queue>
 #include <vector>
 
@@ -18,18 +19,20 @@ struct SeenLandmark {
   int weight = 1;                                       ///< from 1
 };
 
+/// A place for the landmarks: x_map = T_map_seen * x.
+struct FoundPlace {
+  Pose T_map_seen;     ///< turned about z only; z becomes the height above the ground
+  double score = 0.0;  ///< share of the landmarks that the map explains, by weight, in 0..1
+};
+
 /// Where the robot may be.
 struct SearchRegion {
   /// Of the landmarks' mean [m]. Its height is that above the ground; where it is known to a cell,
   /// the search is much faster.
   Eigen::Vector3d min_map = Eigen::Vector3d::Zero();
   Eigen::Vector3d max_map = Eigen::Vector3d::Zero();
-};
-
-/// A place for the landmarks: x_map = T_map_seen * x.
-struct FoundPlace {
-  Pose T_map_seen;     ///< turned about z only; z becomes the height above the ground
-  double score = 0.0;  ///< share of the landmarks that the map explains, by weight, in 0..1
+  /// Of T_map_seen (FoundPlace): what it does not hold for is no place. None: holds for all.
+  std::function<bool(const Pose&)> is_possible = {};
 };
 
 /// Looks for the places of a map that explain what a robot has seen best, over all positions of a
@@ -94,6 +97,7 @@ class PlaceSearch {
   void add(int level, int yaw, const Eigen::Vector3i& at);
   void split(const Node& node);
   void take(const Node& leaf);
+  [[nodiscard]] Pose pose_of(int yaw, const Eigen::Vector3i& at) const;
   [[nodiscard]] double score_of(const Node& node) const;
 
   const MapPyramid& map_;
@@ -103,7 +107,8 @@ class PlaceSearch {
   std::vector<int> rest_;  // score of the landmarks from each one on, if all were explained
   std::vector<std::vector<Landmarks>> turned_;  // by level and block of headings
   std::vector<int> slabs_;                      // of the landmarks
-  Eigen::Vector3i first_;                       // position of the region
+  std::function<bool(const Pose&)> is_possible_;
+  Eigen::Vector3i first_;  // position of the region
   Eigen::Vector3i last_;
   int full_score_ = 0;
   std::priority_queue<Node> queue_;

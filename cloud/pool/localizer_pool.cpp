@@ -133,13 +133,15 @@ void LocalizerPool::open(const RobotSession& session,
               (change == Change::kReplaced ? " replaces the one before" : " opened"));
 }
 
-// Who is in a region that the map does not have is not searched for elsewhere: what looks like the
-// place there may be one of another storey.
+// Who began in a region that the map does not have is not searched for elsewhere: what looks like
+// the place there may be one of another storey.
 std::optional<MapRegion> LocalizerPool::region_of(const RobotSession& session) {
-  if (session.region.empty() || session.start) return std::nullopt;
-  const auto found = regions_.find(session.region);
+  if (!session.region) return std::nullopt;
+  const StartRegion& region = *session.region;
+  if (region.name.empty()) return MapRegion::circle(region.center_map, region.radius_m);
+  const auto found = regions_.find(region.name);
   if (found != regions_.end()) return found->second;
-  report_.log(session.robot + ": is in region '" + session.region +
+  report_.log(session.robot + ": begins in region '" + region.name +
               "', which the map does not have: it is not searched for");
   return MapRegion::nowhere();
 }

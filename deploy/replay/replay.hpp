@@ -38,7 +38,7 @@ struct ReplayOptions {
   bool tracks = false;                       ///< plays the dataset's tracks instead of its images
   std::optional<std::filesystem::path> map;  ///< without: odometry only
   std::optional<Pose> T_map_body;            ///< start pose, at the first image
-  std::string region;                        ///< of the map, where it starts; empty: none
+  std::optional<StartRegion> region;         ///< at the first image; not beside a pose
   double start_s = 0.0;
   std::optional<double> duration_s;
   LinkConfig link;

@@ -5,7 +5,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kSearchTurns = 15;  // of a search, in the time of a localization
+constexpr int kSearchTurns = 10;  // of a search, in the time of a localization
 
 }  // namespace
 

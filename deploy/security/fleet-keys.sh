@@ -4,7 +4,7 @@ set -eu
 umask 077
 
 # Of the names of topics, see shared/transport/topics.hpp.
-wire_version=1
+wire_version=2
 
 usage() {
   cat <<'HELP'

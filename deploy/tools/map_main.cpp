@@ -12,6 +12,7 @@
 #include "cloud/laser_map/build_map.hpp"
 #include "cloud/laser_map/map_file.hpp"
 #include "cloud/laser_map/map_hash.hpp"
+#include "cloud/laser_map/map_regions.hpp"
 #include "cloud/locate/pyramid_config.hpp"
 #include "cloud/locate/pyramid_file.hpp"
 #include "cloud/mapping/merge_sessions.hpp"
@@ -210,8 +211,9 @@ int main(int argc, char** argv) {
           return static_cast<int>(kSuccess);
         };
       }
-      return [map] {
+      return [map, regions = load_map_regions(shown)] {
         print(*map);
+        for (const auto& [name, region] : regions) std::cout << "region       " << name << '\n';
         return static_cast<int>(kSuccess);
       };
     });

@@ -90,10 +90,6 @@ ConfigReader effective(const Program& program, const Arguments& arguments) {
         "client: {uplink: {encoding: " + arguments.encoding + "}}", "--encoding"));
   }
   if (arguments.initial_sigma) config.overlay(start_sigma_config(*arguments.initial_sigma));
-  if (arguments.initial_region) {
-    const StartRegion start = start_region(*arguments.initial_region);
-    if (!start.sigma.empty()) config.overlay(start_sigma_config(start.sigma));
-  }
   return config;
 }
 
@@ -120,8 +116,8 @@ void add_options(CLI::App& app, ReplayOptions& options, Arguments& arguments) {
       "--initial-sigma", arguments.initial_sigma, "\"m deg\" of that pose, one sigma");
   app.add_option("--initial-region",
                  arguments.initial_region,
-                 "or: where it is searched for, a region of the map by its name, or \"x y radius\" "
-                 "[m]")
+                 "or: where it is at the first image, a region of the map by its name, or "
+                 "\"x y radius\" [m]")
       ->excludes(pose)
       ->excludes(sigma);
   app.add_option("--start", options.start_s, "seconds of the recording to skip")
@@ -151,11 +147,7 @@ void complete(ReplayOptions& options, const Arguments& arguments) {
   if (!arguments.map.empty()) options.map = arguments.map;
   options.duration_s = arguments.duration_s;
   if (arguments.initial_pose) options.T_map_body = pose_from_text(*arguments.initial_pose);
-  if (arguments.initial_region) {
-    const StartRegion start = start_region(*arguments.initial_region);
-    options.region = start.name;
-    options.T_map_body = start.T_map_body;
-  }
+  if (arguments.initial_region) options.region = start_region(*arguments.initial_region);
   options.link = link_config(arguments.link);
   options.icp_baseline = !arguments.baseline.empty();
   if (!arguments.faults.empty()) {

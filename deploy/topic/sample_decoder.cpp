@@ -171,7 +171,15 @@ Json json_of(const RobotSession& session) {
                     {"sigma", sigmas(session.start->covariance)},
                     {"p_odom", vector(session.start->p_odom)}};
   }
-  if (!session.region.empty()) out["region"] = session.region;
+  if (const auto& region = session.region) {
+    out["region"] = {{"p_odom", vector(region->p_odom)}};
+    if (region->name.empty()) {
+      out["region"]["center"] = vector(region->center_map);
+      out["region"]["radius_m"] = region->radius_m;
+    } else {
+      out["region"]["name"] = region->name;
+    }
+  }
   return out;
 }
 

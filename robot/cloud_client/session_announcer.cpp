@@ -14,14 +14,8 @@ void SessionAnnouncer::start(const RobotSession& session) {
   newest_start_ = session.start;
 }
 
-void SessionAnnouncer::update_start(const MapOdomEstimate& start) {
-  newest_start_ = start;
-  if (session_) session_->region.clear();
-}
-
 void SessionAnnouncer::drop_start() {
   session_->start.reset();
-  session_->region.clear();
   newest_start_.reset();
 }
 
@@ -33,7 +27,7 @@ const RobotSession& SessionAnnouncer::announcement(const std::string& localizer,
   announced_ = now;
   session_->localizer = localizer;
   session_->incarnation = incarnation;
-  session_->start = newest_start_;
+  take_newest_start();
   return *session_;
 }
 
@@ -42,8 +36,14 @@ std::optional<RobotSession> SessionAnnouncer::requested(Timestamp now) {
   interval_s_ = config_.interval_s;
   if (to_seconds(now - announced_) < config_.min_interval_s) return std::nullopt;
   announced_ = now;
-  session_->start = newest_start_;
+  take_newest_start();
   return session_;
+}
+
+// Where the robot began is of no use to those who know where it is.
+void SessionAnnouncer::take_newest_start() {
+  session_->start = newest_start_;
+  if (session_->start) session_->region.reset();
 }
 
 // With the same start: another one would make the localizer restart the session.

@@ -25,7 +25,7 @@ class SessionAnnouncer {
   void start(const RobotSession& session);
 
   /// For the next localizer that does not know the session.
-  void update_start(const MapOdomEstimate& start);
+  void update_start(const MapOdomEstimate& start) { newest_start_ = start; }
 
   /// Of the submaps that follow.
   void set_encoding(SubmapEncoding encoding) { session_->encoding = encoding; }
@@ -53,6 +53,8 @@ class SessionAnnouncer {
   [[nodiscard]] const std::optional<RobotSession>& session() const { return session_; }
 
  private:
+  void take_newest_start();
+
   Config config_;
   std::optional<RobotSession> session_;
   std::optional<MapOdomEstimate> newest_start_;

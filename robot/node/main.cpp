@@ -73,14 +73,14 @@ int main(int argc, char** argv) {
         app.add_option("--initial-sigma", initial_sigma, "\"m deg\" of that pose, one sigma");
     auto* region = app.add_option("--initial-region",
                                   initial_region,
-                                  "or: where it is searched for, a region of the map by its name, "
-                                  "or \"x y radius\" [m]")
+                                  "or: where it is at the first image, a region of the map by its "
+                                  "name, or \"x y radius\" [m]")
                        ->excludes(start_pose)
                        ->excludes(start_sigma);
     app.add_option("--last-pose",
                    options.last_pose,
                    "file that keeps the pose, from which the next start begins without "
-                   "--initial-pose or a circle");
+                   "--initial-pose or --initial-region");
     app.add_option("--encoding", encoding, "of the submaps; compact if nothing is said")
         ->check(CLI::IsMember({"compact", "full"}));
     app.add_option("--link", link, "YAML: loss, delay and rate to emulate at this end");
@@ -99,12 +99,7 @@ int main(int argc, char** argv) {
       }
       if (limited->count() > 0) options.duration_s = duration;
       if (start_pose->count() > 0) options.T_map_body = pose_from_text(initial_pose);
-      if (region->count() > 0) {
-        const StartRegion start = start_region(initial_region);
-        options.region = start.name;
-        options.T_map_body = start.T_map_body;
-        initial_sigma = start.sigma;
-      }
+      if (region->count() > 0) options.region = start_region(initial_region);
       if (!link.empty()) options.link = read_link_file(link);
       if (!security.empty()) options.keys.emplace(security);
       ConfigReader config = program.config();
@@ -112,7 +107,7 @@ int main(int argc, char** argv) {
         config.overlay(ConfigReader::from_string("client: {uplink: {encoding: " + encoding + "}}",
                                                  "--encoding"));
       }
-      if (!initial_sigma.empty()) config.overlay(start_sigma_config(initial_sigma));
+      if (start_sigma->count() > 0) config.overlay(start_sigma_config(initial_sigma));
       options.config = program.command_line() + config.text();
       auto node = std::make_shared<RobotNode>(options, read_config(config), termination->reload());
       return [node, termination] {

@@ -142,9 +142,15 @@ RobotNode::RobotNode(const RobotNodeOptions& options,
 
 RobotNode::~RobotNode() = default;
 
-// Unless somebody has told the pose.
+// Unless somebody has told where the robot is.
 void RobotNode::start_from_last_pose() {
   if (options_.last_pose.empty() || options_.T_map_body) return;
+  if (options_.region) {
+    spdlog::info("{}: starts in the region that was told, not from {}",
+                 options_.id,
+                 options_.last_pose.string());
+    return;
+  }
   options_.T_map_body = read_last_pose(options_.last_pose, options_.id);
   if (!options_.T_map_body) return;
   spdlog::info("{}: starts from its last pose, in {}", options_.id, options_.last_pose.string());

@@ -30,8 +30,8 @@ struct RobotNodeOptions {
   double rate = 1.0;  ///< of the recording's time; 0: as fast as possible
   double start_s = 0.0;
   std::optional<double> duration_s;
-  std::optional<Pose> T_map_body;   ///< at the first image
-  std::string region;               ///< of the map, where it starts; empty: nobody says
+  std::optional<Pose> T_map_body;                    ///< at the first image
+  std::optional<StartRegion> region = std::nullopt;  ///< at the first image; not beside a pose
   std::filesystem::path last_pose;  ///< keeps the pose for the next start; empty: none does
   std::optional<FleetKeys> keys = std::nullopt;  ///< none: no DDS Security
   std::optional<LinkConfig> link;

@@ -21,7 +21,7 @@ RobotPipeline::RobotPipeline(RobotSetup setup,
                                config.fusion)),
       session_start_(
           setup_.T_map_body, config.start, config.odometry.frame_estimator.noise.imu_gaps),
-      region_(setup_.T_map_body ? "" : setup_.region) {}
+      region_(setup_.region) {}
 
 expected<PoseEstimate, InputRejection> RobotPipeline::add_imu(const ImuSample& sample) {
   ImuSample timed = sample;
@@ -55,7 +55,7 @@ void RobotPipeline::step_clock(const ClockStep& step) {
 // is not of the robot's latest seconds is of another clock: it is placed where it is now.
 void RobotPipeline::place(const GivenPose& given) {
   ++faults_["placements"];
-  region_.clear();
+  region_.reset();
   if (latest_pose_.quality == Quality::kInitializing) {
     return session_start_.place_before_odometry(given);
   }
@@ -139,7 +139,7 @@ void RobotPipeline::take_window(Timestamp now) {
   if (window.start) begin_session(window, now);
   const Pose& T_odom_body = window.window->keyframes.back().state.T_odom_body;
   if (const auto start = start_from_answers(T_odom_body)) {
-    region_.clear();
+    region_.reset();
     localizer_->update_start(*start);
   }
   localizer_->submit(std::move(window.submap), now);
@@ -162,8 +162,20 @@ void RobotPipeline::begin_session(const OdometryWindow& window, Timestamp now) {
   const auto start =
       session_start_.of_session(*window.start, T_odom_body, start_from_answers(T_odom_body));
   if (!start) ++faults_[std::string(name(start.error()))];
+  keep_region(*window.start);
   if (!start && start.error() == NoStart::kTooUncertain) fusion_->lose();
   localizer_->start_session(announced(start ? std::optional(*start) : std::nullopt), now);
+}
+
+// Its place in odom is that of the first frame of all. A robot that has moved unseen since then may
+// have left it.
+void RobotPipeline::keep_region(const OdometryStart& begin) {
+  if (!region_) return;
+  if (!begin.T_first_newest) {
+    ++faults_["forgotten_regions"];
+    return region_.reset();
+  }
+  region_->p_odom = (begin.T_odom_body * inverse(*begin.T_first_newest)).p;
 }
 
 RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& start) const {
@@ -173,7 +185,7 @@ RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& star
   announced.start_stamp = setup_.program_start;
   announced.stereo = rectified(setup_.calibration);
   announced.start = start;
-  announced.region = region_;
+  if (!start) announced.region = region_;
   return announced;
 }
 

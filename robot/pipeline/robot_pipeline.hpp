@@ -33,7 +33,7 @@ struct RobotSetup {
       1};  ///< of the first start of the odometry; each reset and placement adds one
   Timestamp program_start{};       ///< a later one replaces the robot's session in the cloud
   std::optional<Pose> T_map_body;  ///< at the first image
-  std::string region = {};  ///< of the map, in which it is until it is found; empty: anywhere
+  std::optional<StartRegion> region = {};  ///< at the first image; not beside a pose
 };
 
 /// Result of one stereo frame.
@@ -120,6 +120,7 @@ class RobotPipeline {
   [[nodiscard]] PoseEstimate with_stamp(PoseEstimate pose) const;
   void take_window(Timestamp now);
   void begin_odometry(const OdometryWindow& window);
+  void keep_region(const OdometryStart& begin);
   void begin_session(const OdometryWindow& window, Timestamp now);
   [[nodiscard]] RobotSession announced(const std::optional<MapOdomEstimate>& start) const;
   void fuse_answers(Timestamp now);
@@ -138,7 +139,7 @@ class RobotPipeline {
   VisualInertialOdometry odometry_;
   std::unique_ptr<PoseFusion> fusion_;
   SessionStart session_start_;
-  std::string region_;  // empty once more is known
+  std::optional<StartRegion> region_;  // as long as nothing more is known
 
   PoseEstimate latest_pose_;  // at the newest IMU sample
   std::vector<FrameOutput> frames_;
@@ -154,13 +155,6 @@ RobotPipeline::Config read_robot_pipeline_config(ConfigReader config);
 /// The part of the configuration that says how uncertain the start pose is.
 /// @param text  "m deg" of position and heading. Throws std::invalid_argument.
 ConfigReader start_sigma_config(const std::string& text);
-
-/// Where a robot starts: in a region that its map has a name for, or within a circle.
-struct StartRegion {
-  std::string name;
-  std::optional<Pose> T_map_body;  ///< of the circle's middle
-  std::string sigma;               ///< of start_sigma_config()
-};
 
 /// @param text  a name, or "x y radius" [m]. Throws std::invalid_argument.
 StartRegion start_region(const std::string& text);

@@ -31,21 +31,17 @@ ConfigReader start_sigma_config(const std::string& text) {
   return ConfigReader::from_string(yaml.str(), "--initial-sigma");
 }
 
-// The localizer searches within three sigmas.
 StartRegion start_region(const std::string& text) {
-  if (is_valid_id(text)) return {.name = text, .T_map_body = {}, .sigma = {}};
+  if (is_valid_id(text)) return {.name = text};
   std::istringstream stream(text);
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double radius_m = 0.0;
+  StartRegion circle;
   std::string rest;
-  if (!(stream >> x_m >> y_m >> radius_m) || stream >> rest || !(radius_m > 0.0)) {
+  if (!(stream >> circle.center_map.x() >> circle.center_map.y() >> circle.radius_m) ||
+      stream >> rest || !(circle.radius_m > 0.0)) {
     throw std::invalid_argument("'" + text +
                                 "' is no region: expected a name, or \"x y radius\" in m");
   }
-  return {.name = {},
-          .T_map_body = Pose{Eigen::Quaterniond::Identity(), {x_m, y_m, 0.0}},
-          .sigma = std::to_string(radius_m / 3.0) + " 180"};
+  return circle;
 }
 
 }  // namespace fleetloc

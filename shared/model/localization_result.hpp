@@ -47,8 +47,8 @@ struct LocalizationResult {
   KeyframeId keyframe{};
   Revision revision{};  ///< of the keyframe that was localized
   Timestamp stamp;      ///< of the keyframe, the newest of the window behind the answer
-  /// At which the robot may be, as far as the latest search for it has come; 0..255, 0 if there was
-  /// none, or it has found none. Not if kLocalized.
+  /// At which the robot may be, while it is searched for, as far as the latest search has come;
+  /// 0..255, 0 if there was none, or it has found none.
   int places = 0;
   Timestamp oldest_stamp;  ///< of the oldest keyframe of that window; only if kLocalized
   MapHash map_hash{};

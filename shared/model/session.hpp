@@ -21,6 +21,14 @@ struct MapOdomEstimate {
   Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< of the body at that time [m]
 };
 
+/// Where in the map a robot began: in a part that the map has a name for, or within a circle.
+struct StartRegion {
+  std::string name = {};                                 ///< empty: the circle
+  Eigen::Vector2d center_map = Eigen::Vector2d::Zero();  ///< [m]
+  double radius_m = 0.0;
+  Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();  ///< of the body when it was there [m]
+};
+
 /// What a localizer needs before the first submap of a session.
 struct RobotSession {
   RobotId robot;
@@ -31,10 +39,8 @@ struct RobotSession {
   Incarnation incarnation{};  ///< of that localizer; others ignore it
   SubmapEncoding encoding = SubmapEncoding::kFull;
   RectifiedStereo stereo;
-  std::optional<MapOdomEstimate> start;  ///< without it the robot has to be searched for,
-  /// in this region of the map until it is found; empty: anywhere. Without a meaning beside a
-  /// start.
-  std::string region;
+  std::optional<MapOdomEstimate> start;    ///< without it the robot is searched for,
+  std::optional<StartRegion> region = {};  ///< from there, if this is known; not beside a start
 };
 
 /// Status of a localizer, for all robots.

@@ -23,12 +23,30 @@ Validity check_stereo(const wire::RobotSession& sample) {
   return check(sample.T_body_cam0());
 }
 
+Validity check_region(const wire::RobotSession& sample) {
+  const std::string name = sample.region().to_string();
+  if (!name.empty() && !is_valid_id(name)) return unexpected(Malformed::kInvalidId);
+  const auto& [x, y, radius] = sample.region_circle();
+  for (const double value : {x, y}) {
+    if (const Validity valid = check(value, -kMaxCoordinate, kMaxCoordinate); !valid) return valid;
+  }
+  return check(radius, 0.0, kMaxCoordinate);
+}
+
+std::optional<StartRegion> region_of(const wire::RobotSession& sample) {
+  const auto& [x, y, radius] = sample.region_circle();
+  if (sample.region().size() == 0 && radius == 0.0) return std::nullopt;
+  return StartRegion{.name = sample.region().to_string(),
+                     .center_map = {x, y},
+                     .radius_m = radius,
+                     .p_odom = from_wire(sample.p_odom())};
+}
+
 Validity check_session_sample(const wire::RobotSession& sample) {
   if (sample.encoding() > wire::COMPACT) return unexpected(Malformed::kUnknownValue);
   if (const Validity valid = check_stamp(sample.start_stamp_ns()); !valid) return valid;
   if (const Validity valid = check_stereo(sample); !valid) return valid;
-  const bool is_region = sample.region().size() == 0 || is_valid_id(sample.region().to_string());
-  if (!is_region) return unexpected(Malformed::kInvalidId);
+  if (const Validity valid = check_region(sample); !valid) return valid;
   if (const Validity valid = check(sample.p_odom()); !valid) return valid;
   if (const Validity valid = check(sample.T_map_odom()); !valid) return valid;
   return check(sample.covariance());
@@ -52,10 +70,12 @@ Bytes encode(const RobotSession& session) {
   sample.T_body_cam0(to_wire(session.stereo.T_body_cam0));
   sample.has_start(session.start.has_value());
   const MapOdomEstimate start = session.start.value_or(MapOdomEstimate{});
-  sample.p_odom(to_wire(start.p_odom));
+  const StartRegion region = session.region.value_or(StartRegion{});
+  sample.p_odom(to_wire(session.start ? start.p_odom : region.p_odom));
   sample.T_map_odom(to_wire(start.T_map_odom));
   sample.covariance(to_wire(start.covariance));
-  sample.region(session.region);
+  sample.region(region.name);
+  sample.region_circle({region.center_map.x(), region.center_map.y(), region.radius_m});
   expect_encodable(check_session_sample(sample), "robot session");
   return to_cdr(sample);
 }
@@ -76,11 +96,13 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
                                   .baseline_m = sample.baseline_m(),
                                   .T_body_cam0 = from_wire(sample.T_body_cam0())},
                        .start = std::nullopt,
-                       .region = sample.region().to_string()};
+                       .region = std::nullopt};
   if (sample.has_start()) {
     session.start = MapOdomEstimate{.T_map_odom = from_wire(sample.T_map_odom()),
                                     .covariance = from_wire(sample.covariance()),
                                     .p_odom = from_wire(sample.p_odom())};
+  } else {
+    session.region = region_of(sample);
   }
   return session;
 }

@@ -28,14 +28,6 @@ constexpr double kPeriod_s = 0.5;  // of each robot's keyframes
 constexpr int kKeyframes = 100;
 constexpr double kFull_s = 20.0;  // until then windows grow
 
-/// The room twice: a robot of which nobody tells where it is never knows in which one.
-std::shared_ptr<const LaserMap> two_rooms() {
-  const std::vector<Eigen::Vector3d> room = SimulatedRun({}).surface_points(0.06);
-  std::vector<Eigen::Vector3d> both = room;
-  for (const Eigen::Vector3d& p : room) both.emplace_back(p + Eigen::Vector3d(40.0, 0.0, 0.0));
-  return std::make_shared<const LaserMap>(map_of(both, 0.01, 1));
-}
-
 /// Searches as soon as it has searched.
 LocalizerPool::Config always_searching() {
   ConfigReader config = ConfigReader::from_string(default_config("everything"));
@@ -67,7 +59,8 @@ struct Robots {
   [[nodiscard]] int all() const { return told + searching; }
 };
 
-/// One worker, and robots that send keyframes in turn.
+/// One worker, and robots that send keyframes in turn. The room is there twice: who is not told
+/// where it is never knows in which one.
 class Worker {
  public:
   /// @param others  that have their times, but do not send: so that runs can be compared
@@ -144,7 +137,7 @@ class Worker {
   double period_s_;
   std::deque<SimulatedSession> sources_;
   std::vector<RobotId> told_;
-  std::shared_ptr<const LaserMap> map_ = two_rooms();
+  std::shared_ptr<const LaserMap> map_ = two_rooms({40.0, 0.0, 0.0});
   LocalizerPool pool_{
       "localizer", kIncarnation, map_, always_searching(), make_pyramid(*map_, kSmallPyramid)};
   std::vector<double> latencies_ms_;

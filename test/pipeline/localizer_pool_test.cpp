@@ -88,7 +88,7 @@ TEST_F(LocalizerPoolTest, AnswersWithItsNameIncarnationMapAndAcknowledgements) {
   EXPECT_EQ(report("a").rejected.at("searching"), 1);
 }
 
-TEST_F(LocalizerPoolTest, SaysOfARobotThatItIsInARegionThatTheMapDoesNotHave) {
+TEST_F(LocalizerPoolTest, SaysThatARobotBeginsInARegionThatTheMapDoesNotHave) {
   LocalizerPool pool("localizer",
                      Incarnation{3},
                      map_,
@@ -97,14 +97,15 @@ TEST_F(LocalizerPoolTest, SaysOfARobotThatItIsInARegionThatTheMapDoesNotHave) {
                      {{"hall_B", MapRegion::circle({1.0, 1.0}, 5.0)}});
   const auto events_of = [&pool](const RobotId& robot, const std::string& region) {
     RobotSession session = pool_session(robot);
-    session.region = region;
+    session.region = StartRegion{.name = region};
     pool.receive({Topic::kSession, encode(session)}, at_ms(0));
     return pool.take_events();
   };
   EXPECT_THAT(events_of("a", "hall_B"), testing::ElementsAre("a: session 1 opened"));
-  EXPECT_THAT(events_of("b", "hall_C"),
-              testing::Contains("b: is in region 'hall_C', which the map does not have: it is not "
-                                "searched for"));
+  EXPECT_THAT(
+      events_of("b", "hall_C"),
+      testing::Contains("b: begins in region 'hall_C', which the map does not have: it is not "
+                        "searched for"));
 }
 
 TEST_F(LocalizerPoolTest, RepeatsTheAnswerUntilThereIsANewerOne) {

@@ -57,20 +57,15 @@ TEST_F(SessionAnnouncerTest, RepetitionsKeepTheStartAndRequestsGetTheNewest) {
   EXPECT_EQ(restarted.incarnation, Incarnation{2});
 }
 
-TEST_F(SessionAnnouncerTest, ARegionIsToldUntilTheRobotIsFoundOrLost) {
-  const auto start_in_region = [this] {
-    RobotSession session;
-    session.region = "hall_B";
-    announcer_.start(session);
-  };
-  start_in_region();
-  EXPECT_EQ(announce(0.0).region, "hall_B");
-  EXPECT_EQ(announcer_.requested(at(2.0)).value().region, "hall_B");
+TEST_F(SessionAnnouncerTest, ARegionIsToldUntilThereIsAStart) {
+  RobotSession session;
+  session.region = StartRegion{.name = "hall_B"};
+  announcer_.start(session);
+  EXPECT_TRUE(announce(0.0).region);
+  EXPECT_TRUE(announcer_.requested(at(2.0)).value().region);
   announcer_.update_start(start_at(2.0));
-  EXPECT_EQ(announce(4.0).region, "");
-  start_in_region();
-  announcer_.drop_start();
-  EXPECT_EQ(announce(6.0).region, "");
+  EXPECT_TRUE(announcer_.repetition(at(3.0)).value().region) << "the same as before";
+  EXPECT_FALSE(announce(4.0).region);
 }
 
 TEST_F(SessionAnnouncerTest, ARequestIsNotObeyedTooOften) {

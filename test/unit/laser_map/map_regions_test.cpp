@@ -25,7 +25,8 @@ TEST(MapRegions, AreRectanglesCirclesAndStoreys) {
       "floor_2: {heights: [3.5, 6.5]}\n"
       "office: {rectangle: [0, 0, 4, 4], heights: [3.5, 6.5]}\n");
   const auto has = [&](const char* region, const Eigen::Vector3d& p, double margin_m = 0.0) {
-    return regions.at(region).contains(p, p.z(), margin_m);
+    return regions.at(region).has(p.head<2>(), margin_m) &&
+           regions.at(region).has_storey(p.z(), margin_m);
   };
   EXPECT_EQ(regions.size(), 4U);
   EXPECT_TRUE(has("yard", {19.0, 1.0, 100.0}));
@@ -44,7 +45,7 @@ TEST(MapRegions, AreRectanglesCirclesAndStoreys) {
 
 TEST(MapRegions, NowhereHasNothing) {
   for (const double x : {-1e7, 0.0, 1e7}) {
-    EXPECT_FALSE(MapRegion::nowhere().contains({x, x, x}, x, 10.0)) << x;
+    EXPECT_FALSE(MapRegion::nowhere().has({x, x}, 10.0)) << x;
   }
 }
 

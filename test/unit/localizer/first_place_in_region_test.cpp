@@ -15,8 +15,6 @@ namespace {
 constexpr int kSeedsInRegion = 3;
 constexpr int kKeyframesSearched = 40;
 
-const auto kAll = [](const Eigen::Vector3d&) { return true; };
-
 TEST(FirstPlaceInRegion, OfAStartPoseIsSearchedAroundItIfThatIsUncertain) {
   const SimulatedSession robot({.seed = 1});
   const FirstPlace::Config config = localizer_config().first_place;
@@ -33,18 +31,24 @@ TEST(FirstPlaceInRegion, OfAStartPoseIsSearchedAroundItIfThatIsUncertain) {
   EXPECT_LT((0.5 * (around.min_map + around.max_map) - p_map.head<2>()).norm(), 1e-12);
 }
 
+RobotSession began_in_region(const SimulatedSession& robot) {
+  RobotSession session = without_start(robot);
+  session.region = StartRegion{.p_odom = robot.T_odom_body(0).p};
+  return session;
+}
+
 /// In a map that has the room twice.
 /// @param second  where the other one is
 /// @param told    the region that the robot is said to be in
 /// @param is_it_second  what is in that region
 /// @return in how many of the runs it was found, each time there
 int found_in(const Eigen::Vector3d& second, const MapRegion& told, bool is_it_second) {
-  const auto rooms = two_rooms(kAll, second);
+  const auto rooms = two_rooms(second);
   const auto pyramid = make_pyramid(*rooms, kSmallPyramid);
   int found = 0;
   for (std::uint64_t seed = 1; seed <= kSeedsInRegion; ++seed) {
     const SimulatedSession robot({.seed = seed});
-    SessionLocalizer localizer(without_start(robot), rooms, localizer_config(), pyramid, told);
+    SessionLocalizer localizer(began_in_region(robot), rooms, localizer_config(), pyramid, told);
     for (int i = 0; i < kKeyframesSearched; ++i) {
       const LocalizationResult answer = answer_to(localizer, robot, i);
       if (answer.status != LocalizationStatus::kLocalized) continue;
@@ -75,7 +79,7 @@ TEST(FirstPlaceInRegion, IsFoundInTheStoreyThatIsTold) {
 
 TEST(FirstPlaceInRegion, IsAmbiguousInOneOfTwoStoreysOfWhichNoneIsTold) {
   const Eigen::Vector3d above(0.0, 0.0, 8.0);
-  const auto rooms = two_rooms(kAll, above);
+  const auto rooms = two_rooms(above);
   const auto pyramid = make_pyramid(*rooms, kSmallPyramid);
   for (std::uint64_t seed = 1; seed <= kSeedsInRegion; ++seed) {
     const SimulatedSession robot({.seed = seed});
@@ -98,15 +102,22 @@ TEST(FirstPlaceInRegion, IsAmbiguousInOneOfTwoStoreysOfWhichNoneIsTold) {
 TEST(FirstPlaceInRegion, IsNeverFoundBesideIt) {
   const SimulatedSession robot({.seed = 1});
   const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
-  for (const MapRegion& told : {MapRegion::nowhere(), MapRegion::circle({60.0, 0.0}, 10.0)}) {
-    SessionLocalizer localizer(without_start(robot), room_map(), localizer_config(), pyramid, told);
+  const Eigen::Vector2d start = robot.truth(0).p.head<2>();
+  const Eigen::Vector2d beside = start + Eigen::Vector2d(4.0, 0.0);
+  for (const MapRegion& told : {MapRegion::nowhere(),
+                                MapRegion::circle(start + Eigen::Vector2d(60.0, 0.0), 10.0),
+                                MapRegion::circle(beside, 2.0)}) {
+    SessionLocalizer localizer(
+        began_in_region(robot), room_map(), localizer_config(), pyramid, told);
     for (int i = 0; i < kKeyframesSearched; ++i) {
       const LocalizationResult answer = answer_to(localizer, robot, i);
-      ASSERT_NE(name(answer.status), name(LocalizationStatus::kLocalized)) << i;
-      if (i > 20) {
+      ASSERT_NE(name(answer.status), name(LocalizationStatus::kLocalized))
+          << i << " at " << answer.T_map_body.p.transpose();
+      const bool is_near = told.radius_m == 2.0;
+      if (i > 20 && !is_near) {
         EXPECT_EQ(name(answer.status), "no_map_coverage") << i;
+        EXPECT_EQ(answer.places, 0);
       }
-      EXPECT_EQ(answer.places, 0);
     }
   }
 }

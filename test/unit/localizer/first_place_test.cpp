@@ -46,8 +46,10 @@ TEST(FirstPlace, IsFoundInARoomOrSaidToBeOneOfTwo) {
   EXPECT_GE(found, 9) << "by the rays that must be free";
 }
 
+const Eigen::Vector3d kBeside(40.0, 0.0, 0.0);
+
 TEST(FirstPlace, IsAmbiguousInOneOfTwoRoomsAndFollowedInBoth) {
-  const auto rooms = two_rooms([](const auto&) { return true; });
+  const auto rooms = two_rooms(kBeside);
   const auto pyramid = make_pyramid(*rooms, kSmallPyramid);
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const SimulatedSession robot({.seed = seed});
@@ -62,7 +64,7 @@ TEST(FirstPlace, IsAmbiguousInOneOfTwoRoomsAndFollowedInBoth) {
       EXPECT_GE(places.size(), 2U);
       EXPECT_EQ(answer.places, static_cast<int>(places.size()));
       Pose other = robot.truth(i);
-      other.p.x() += 40.0;
+      other.p += kBeside;
       EXPECT_TRUE(has_truth(places, robot.truth(i))) << seed << ", " << i;
       EXPECT_TRUE(has_truth(places, other)) << seed << ", " << i;
     }
@@ -71,7 +73,7 @@ TEST(FirstPlace, IsAmbiguousInOneOfTwoRoomsAndFollowedInBoth) {
 }
 
 TEST(FirstPlace, IsFoundAmongTwoRoomsOnceTheyDiffer) {
-  const auto rooms = two_rooms([](const Eigen::Vector3d& p) { return p.x() < 1.0; });
+  const auto rooms = two_rooms(kBeside, [](const Eigen::Vector3d& p) { return p.x() < 1.0; });
   const auto pyramid = make_pyramid(*rooms, kSmallPyramid);
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -55,18 +53,6 @@ inline RobotSession with_start(const SimulatedSession& robot, double sigma_m, do
   RobotSession session = robot.session();
   session.start->covariance = diagonal_covariance(sigma_rad, sigma_m);
   return session;
-}
-
-/// The room twice; of the second one what `has_too` says of points of the first.
-inline std::shared_ptr<const LaserMap> two_rooms(
-    const std::function<bool(const Eigen::Vector3d&)>& has_too,
-    const Eigen::Vector3d& second = {40.0, 0.0, 0.0}) {
-  const std::vector<Eigen::Vector3d> room = SimulatedRun({}).surface_points(0.06);
-  std::vector<Eigen::Vector3d> both = room;
-  for (const Eigen::Vector3d& p : room) {
-    if (has_too(p)) both.emplace_back(p + second);
-  }
-  return std::make_shared<const LaserMap>(map_of(both, 0.01, 1));
 }
 
 }  // namespace fleetloc

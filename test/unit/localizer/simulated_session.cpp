@@ -74,6 +74,16 @@ std::shared_ptr<const LaserMap> room_map() {
   return map;
 }
 
+std::shared_ptr<const LaserMap> two_rooms(
+    const Eigen::Vector3d& apart, const std::function<bool(const Eigen::Vector3d&)>& has_too) {
+  const std::vector<Eigen::Vector3d> room = SimulatedRun({}).surface_points(0.06);
+  std::vector<Eigen::Vector3d> both = room;
+  for (const Eigen::Vector3d& p : room) {
+    if (has_too(p)) both.emplace_back(p + apart);
+  }
+  return std::make_shared<const LaserMap>(map_of(both, 0.01, 1));
+}
+
 Matrix6d start_covariance() {
   Vector6d sigmas;
   sigmas << 0.017, 0.017, 0.052, 0.2, 0.2, 0.2;

@@ -25,6 +25,11 @@ inline constexpr PyramidConfig kSmallPyramid{
 /// The simulated room as a laser map, with noise; made once.
 std::shared_ptr<const LaserMap> room_map();
 
+/// The room twice, the second one `apart`; of that one what `has_too` says of points of the first.
+std::shared_ptr<const LaserMap> two_rooms(
+    const Eigen::Vector3d& apart,
+    const std::function<bool(const Eigen::Vector3d&)>& has_too = [](const auto&) { return true; });
+
 LaserMap map_of(const std::vector<Eigen::Vector3d>& points, double noise_m, std::uint64_t seed);
 
 /// Standard deviations of a start pose: 0.2 m along each axis, 1 deg tilt, 3 deg yaw.

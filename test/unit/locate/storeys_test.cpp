@@ -15,14 +15,14 @@ using ::testing::IsEmpty;
 /// Level surfaces of 6 m x 6 m, and a wall.
 class StoreysTest : public testing::Test {
  protected:
-  void add_level(double z) {
+  void add_level(double z, float planarity = 1.0F) {
     for (double x = -3.0; x <= 3.0; x += 0.1) {
-      for (double y = -3.0; y <= 3.0; y += 0.1) add({x, y, z}, Eigen::Vector3f::UnitZ());
+      for (double y = -3.0; y <= 3.0; y += 0.1) add({x, y, z}, Eigen::Vector3f::UnitZ(), planarity);
     }
   }
   void add_wall() {
     for (double y = -3.0; y <= 3.0; y += 0.1) {
-      for (double z = 0.0; z <= 10.0; z += 0.1) add({0.0, y, z}, Eigen::Vector3f::UnitX());
+      for (double z = 0.0; z <= 10.0; z += 0.1) add({0.0, y, z}, Eigen::Vector3f::UnitX(), 1.0F);
     }
   }
   [[nodiscard]] std::vector<double> storeys(double x, double ground_m) const {
@@ -31,11 +31,11 @@ class StoreysTest : public testing::Test {
     return storeys_above(LaserMap(points_, info), {x, 0.0}, ground_m);
   }
 
- private:
-  void add(const Eigen::Vector3d& p, const Eigen::Vector3f& normal) {
-    points_.push_back({.p_map = p.cast<float>(), .normal = normal, .planarity = 1.0F});
+  void add(const Eigen::Vector3d& p, const Eigen::Vector3f& normal, float planarity) {
+    points_.push_back({.p_map = p.cast<float>(), .normal = normal, .planarity = planarity});
   }
 
+ private:
   std::vector<MapPoint> points_;
 };
 
@@ -50,9 +50,18 @@ TEST_F(StoreysTest, AreTheTopsOfFloors) {
 
 TEST_F(StoreysTest, AreNoneInTheOpen) {
   add_level(0.0);
-  add_level(0.8);  // a table
+  add_level(1.9);        // the roof of a car
+  add_level(4.0, 0.2F);  // leaves
   add_wall();
   EXPECT_THAT(storeys(0.0, 0.0), IsEmpty());
+}
+
+TEST_F(StoreysTest, AreNotHigherForADeskBesideTheRobot) {
+  add_level(4.0);
+  for (double x = 0.8; x <= 1.6; x += 0.1) {
+    for (double y = -0.4; y <= 0.4; y += 0.1) add({x, y, 4.75}, Eigen::Vector3f::UnitZ(), 1.0F);
+  }
+  EXPECT_THAT(storeys(0.0, 0.0), ElementsAre(DoubleNear(4.0, 1e-6)));
 }
 
 TEST_F(StoreysTest, AreSeenBesideAHole) {

@@ -44,7 +44,7 @@ class Placement : public testing::Test {
                            .session = SessionNumber{7},
                            .program_start = {},
                            .T_map_body = {},
-                           .region = "hall_B"},
+                           .region = StartRegion{.name = "hall_B"}},
                           read_robot_pipeline_config(defaults()),
                           back_end_,
                           &localizer_};
@@ -57,11 +57,15 @@ TEST_F(Placement, BeginsANewSessionAtOnceFromWhereTheRobotHasDrivenSince) {
   play(10.0);
   ASSERT_EQ(localizer_.sessions.size(), 1U);
   EXPECT_FALSE(localizer_.sessions[0].start);
-  EXPECT_EQ(localizer_.sessions[0].region, "hall_B");
+  ASSERT_TRUE(localizer_.sessions[0].region);
+  EXPECT_EQ(localizer_.sessions[0].region->name, "hall_B");
+  const Pose T_odom_map = now_.T_odom_body * inverse(run_.truth(now_.stamp).T_odom_body);
+  EXPECT_LT((localizer_.sessions[0].region->p_odom - T_odom_map * truth(0.0).p).norm(), 0.2)
+      << "at the first image";
   pipeline_.place({.stamp = Timestamp{from_seconds(8.0)}, .T_map_body = truth(8.0)});
   ASSERT_EQ(localizer_.sessions.size(), 2U);
   EXPECT_EQ(localizer_.sessions[1].session, SessionNumber{8});
-  EXPECT_EQ(localizer_.sessions[1].region, "") << "somebody knows better";
+  EXPECT_FALSE(localizer_.sessions[1].region) << "somebody knows better";
   EXPECT_EQ(localizer_.sessions[1].start_stamp, localizer_.sessions[0].start_stamp);
   EXPECT_LT(start_error_m(), 0.1);
   play(12.0);

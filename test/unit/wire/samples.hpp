@@ -82,7 +82,7 @@ inline RobotSession some_session() {
           .start = MapOdomEstimate{.T_map_odom = some_pose(4.0),
                                    .covariance = some_matrix(),
                                    .p_odom = {40.0, -50.0, 0.5}},
-          .region = "hall_B"};
+          .region = std::nullopt};
 }
 
 inline LocalizationResult some_answer() {

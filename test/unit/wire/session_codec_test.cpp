@@ -38,17 +38,28 @@ TEST(SessionCodec, RoundTripPreservesTheLackOfAStart) {
   RobotSession sent = some_session();
   sent.start.reset();
   sent.encoding = SubmapEncoding::kCompact;
-  sent.region = "hall_B";
+  sent.region = StartRegion{.name = "hall_B", .p_odom = {1.0, -2.0, 3.0}};
   const auto received = decode_robot_session(encode(sent)).value();
   EXPECT_FALSE(received.start);
   EXPECT_EQ(received.encoding, SubmapEncoding::kCompact);
-  EXPECT_EQ(received.region, sent.region);
+  ASSERT_TRUE(received.region);
+  EXPECT_EQ(received.region->name, "hall_B");
+  EXPECT_EQ(received.region->p_odom, sent.region->p_odom);
+  sent.region = StartRegion{.center_map = {10.0, -20.0}, .radius_m = 30.0};
+  const auto in_circle = decode_robot_session(encode(sent)).value();
+  ASSERT_TRUE(in_circle.region);
+  EXPECT_EQ(in_circle.region->center_map, sent.region->center_map);
+  EXPECT_EQ(in_circle.region->radius_m, 30.0);
+  sent.region.reset();
+  EXPECT_FALSE(decode_robot_session(encode(sent)).value().region);
 }
 
 TEST(SessionCodec, RefusesWithAReason) {
   using enum Malformed;
   expect_session_refused(kInvalidId, [](auto& sample) { sample.localizer("a b"); });
   expect_session_refused(kInvalidId, [](auto& sample) { sample.region("a b"); });
+  expect_session_refused(kOutOfRange, [](auto& sample) { sample.region_circle()[2] = -1.0; });
+  expect_session_refused(kNotFinite, [](auto& sample) { sample.region_circle()[0] = kNotANumber; });
   expect_session_refused(
       kUnknownValue, [](auto& sample) { sample.encoding(static_cast<wire::SubmapEncoding>(2)); });
   expect_session_refused(kOutOfRange, [](auto& sample) { sample.focal_px(0.0); });
@@ -70,7 +81,7 @@ TEST(SessionCodec, TellsWhatItCannotEncode) {
   session.localizer = "a-name-of-more-than-32-characters";
   EXPECT_THROW(encode(session), NotEncodable);
   session = some_session();
-  session.region = "hall B";
+  session.region = StartRegion{.name = "hall B"};
   EXPECT_THROW(encode(session), NotEncodable);
   session = some_session();
   session.start->covariance(0, 1) += 1e6;
