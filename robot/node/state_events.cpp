@@ -45,7 +45,7 @@ std::optional<std::string> StateEvents::reason_in(const LocalizationOutput& answ
   reason_told_ = answer.arrival;
   const int places = answer.answer.places;
   return "not localized: " + std::string(name(status)) +
-         (places > 0 ? " (" + std::to_string(places) + " places)" : "") + ", says " +
+         (places > 0 ? " (places: " + std::to_string(places) + ")" : "") + ", says " +
          answer.answer.localizer;
 }
 

@@ -70,7 +70,7 @@ TEST(StateEvents, TellHowManyPlacesAreLeft) {
   RobotOutput output = answer(1.0, LocalizationStatus::kAmbiguous);
   output.answers.front().answer.places = 3;
   EXPECT_THAT(events.add(output),
-              ElementsAre("not localized: ambiguous (3 places), says localizer_1"));
+              ElementsAre("not localized: ambiguous (places: 3), says localizer_1"));
 }
 
 TEST(StateEvents, TellAReasonAnewAfterAnAnswerWithAPose) {
