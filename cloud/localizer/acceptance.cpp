@@ -96,8 +96,7 @@ Acceptance::Verdict Acceptance::confirm(const MapFit& fit,
                                         const PoseWithCovariance& predicted,
                                         const Pose& T_odom_body,
                                         const TravelledPath& path) {
-  const double window_m = path.to_newest_m - path.to_oldest_m;
-  const bool is_sure = (is_confident(fit.association) && start_.is_distinct(predicted, window_m)) ||
+  const bool is_sure = (is_confident(fit.association) && start_.is_distinct(predicted, path)) ||
                        start_.is_vouched_for(predicted, fit.T_map_body);
   if (!start_.take(fit.T_map_body, T_odom_body, path.to_newest_m, is_sure)) {
     return unexpected(kUnconfirmed);
@@ -143,9 +142,10 @@ bool StartConfirmation::is_vouched_for(const PoseWithCovariance& predicted,
 }
 
 // The more room there is, the more places in it look like the right one from a short way.
-bool StartConfirmation::is_distinct(const PoseWithCovariance& predicted, double window_m) const {
+bool StartConfirmation::is_distinct(const PoseWithCovariance& predicted,
+                                    const TravelledPath& path) const {
   return max_sigma(predicted.covariance.bottomRightCorner<3, 3>()) <= config_.known_start_m ||
-         window_m >= config_.path_m;
+         (path.window_m() >= config_.path_m && path.searched_m >= config_.searched_path_m);
 }
 
 Acceptance::Config read_acceptance_config(ConfigReader section) {
@@ -172,7 +172,8 @@ StartConfirmation::Config read_start_confirmation_config(ConfigReader section) {
           .tolerance_m = section.positive("tolerance_m"),
           .certain_start_m = section.positive("certain_start_m"),
           .certain_start_rad = section.positive("certain_start_rad"),
-          .known_start_m = section.positive("known_start_m")};
+          .known_start_m = section.positive("known_start_m"),
+          .searched_path_m = section.positive("searched_path_m")};
 }
 
 }  // namespace fleetloc

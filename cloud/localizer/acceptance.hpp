@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "cloud/localizer/answer_covariance.hpp"
@@ -18,6 +19,10 @@ namespace fleetloc {
 struct TravelledPath {
   double to_oldest_m = 0.0;  ///< until the oldest keyframe of the window
   double to_newest_m = 0.0;  ///< until the newest
+  /// In the window of the last search that has found this place; without limit if it was told.
+  double searched_m = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] double window_m() const { return to_newest_m - to_oldest_m; }
 };
 
 /// Accepts the first localization of a session only once it is confirmed. In a scene that has
@@ -31,6 +36,8 @@ class StartConfirmation {
     double certain_start_m;  ///< sigmas of a start pose that itself confirms a solution within the
     double certain_start_rad;  ///< tolerance: another localizer has localized the robot
     double known_start_m;      ///< sigma beyond which not even a confident place counts at once
+    double searched_path_m;    ///< of its search, beyond that sigma: found from less, it is unique
+                               ///< by chance
   };
 
   explicit StartConfirmation(const Config& config) : config_(config) {}
@@ -50,7 +57,8 @@ class StartConfirmation {
   /// the window is long.
   /// @param predicted  as above
   /// @param window_m   the way in the window
-  [[nodiscard]] bool is_distinct(const PoseWithCovariance& predicted, double window_m) const;
+  [[nodiscard]] bool is_distinct(const PoseWithCovariance& predicted,
+                                 const TravelledPath& path) const;
 
   /// Of the last solution; nothing once the session is confirmed.
   [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }

@@ -18,12 +18,13 @@ std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const MapConstraint& constraint,
                                                   const DegeneracyConfig& config,
                                                   const Prediction& prediction,
-                                                  const Matrix6d& rivals) {
+                                                  const Matrix6d& beside) {
   const std::optional<Matrix6d> marginal = system.covariance_of_newest();
   if (!marginal) return std::nullopt;
   PoseWithCovariance newest{system.T_map_body.back(), *marginal};
+  const bool is_told_start = prediction.is_start && !prediction.is_found;
   const WeakDirections unknown =
-      constraint.weaker_than(prediction.is_start ? config.start_weak_sigma_m : config.weak_sigma_m);
+      constraint.weaker_than(is_told_start ? config.start_weak_sigma_m : config.weak_sigma_m);
   if (unknown.cols() > 0) {
     const PosePrior& before = prediction.before;
     const auto growth = problem.covariance_from(before.keyframe, system.keyframes.back());
@@ -34,7 +35,7 @@ std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
   }
   const WeakDirections weak = constraint.weaker_than(config.weak_sigma_m);
   const double weak_sigma_m = weak_sigma(weak, constraint.motion, newest);
-  newest.covariance += rivals;
+  newest.covariance += beside;
   return AnswerCovariance{newest.covariance, weak_sigma_m};
 }
 

@@ -18,14 +18,14 @@ struct AnswerCovariance {
 /// was known before the window, carried to the newest keyframe by the odometry of `problem`: what
 /// the optimization adds to it there is noise of the map's normals. A first place was looked for in
 /// all the room that the start pose leaves, and its matches were chosen with it: there more
-/// directions count.
-/// @param rivals  of the newest keyframe; see RigidAlignment::Result
+/// directions count. A place that was found by a search comes with no start pose to fall back to.
+/// @param beside  of the newest keyframe: second moment of other places that fit nearly as well
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
                                                   const DegeneracyConfig& config,
                                                   const Prediction& prediction,
-                                                  const Matrix6d& rivals);
+                                                  const Matrix6d& beside);
 
 }  // namespace fleetloc

@@ -15,6 +15,7 @@ struct Prediction {
   bool is_rough = false;      ///< too far to match landmarks one by one: align the window first
   bool is_start = false;      ///< nothing was localized before: it all comes from the start pose
   bool is_early = false;      ///< all that was localized before is in the window
+  bool is_found = false;      ///< is_start or is_early, and a search has found that place
 };
 
 /// Standard deviation of the landmarks' places in the map that follows from that of the pose [m].

@@ -22,6 +22,14 @@ Matrix6d raised_to(double sigma_rad, double sigma_m, const Matrix6d& covariance)
   return result;
 }
 
+// Of a shift of the window on the level, as one of a body in it (right perturbation).
+Matrix6d shift_covariance(const Eigen::Matrix2d& covariance_map, const Pose& T_map_body) {
+  const Eigen::Matrix<double, 3, 2> R = T_map_body.R.toRotationMatrix().transpose().leftCols<2>();
+  Matrix6d result = Matrix6d::Zero();
+  result.bottomRightCorner<3, 3>() = R * covariance_map * R.transpose();
+  return result;
+}
+
 // [rad, m], as one number.
 double distance(const Pose& from, const Pose& to) {
   return local_coordinates(from, to).norm();
@@ -98,22 +106,24 @@ LocalizationResult SessionLocalizer::localize() {
   return localized(std::move(*solution), diagnostics);
 }
 
-// While there is no place, or none that is believed: one turn, of which the first only looks at
-// what has been seen.
-// @return whether there is a place now
+// While there is no place, or none that is believed, or none but one that was found so far: one
+// turn, of which the first only looks at what has been seen.
+// @return whether there is another place now
 bool SessionLocalizer::search() {
   const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
-  if (has_found_start() && travelled_m - *found_at_m_ > config_.found_start.max_way_m) {
-    give_up_found_start();
-  }
-  if (dead_reckoning_.has_anchor() && !acceptance_.is_lost()) return false;
+  if (has_found_start() && is_found_start_wrong(travelled_m)) give_up_found_start();
+  const bool has_place = dead_reckoning_.has_anchor() && !acceptance_.is_lost();
+  if (has_place && !has_found_start()) return false;
   if (!first_place_->is_running()) {
     begin_search(travelled_m);
     return false;
   }
   const auto T_map_odom = first_place_->advance();
-  if (T_map_odom) start_at(*T_map_odom);
-  return T_map_odom.has_value();
+  if (!T_map_odom) return false;
+  found_in_m_ = search_way_m_;
+  if (has_place && is_held(*T_map_odom)) return false;
+  start_at(*T_map_odom);
+  return true;
 }
 
 // Of a session that is searched for it is known whether places are left, or none is.
@@ -146,6 +156,23 @@ void SessionLocalizer::begin_search(double travelled_m) {
   WindowProblem problem(stereo_, config_.database.window, config_.problem);
   problem.synchronize(seen, seen.placed(seen.window(), Pose{}));
   first_place_->begin({problem.landmarks(), seen.newest().item.T_odom_body}, travelled_m);
+  search_way_m_ = way_m;
+}
+
+// What a longer window finds again was not unique by chance.
+bool SessionLocalizer::is_held(const Pose& T_map_odom) const {
+  const Pose& T_odom_body = database_.newest().item.T_odom_body;
+  const Pose T_held_found =
+      inverse(dead_reckoning_.T_map_odom() * T_odom_body) * (T_map_odom * T_odom_body);
+  const auto& same = config_.first_place.hypotheses;
+  return T_held_found.p.norm() < same.same_m && log_so3(T_held_found.R).norm() < same.same_rad;
+}
+
+// A wrong one is refused by acceptance as the robot drives on; a right one may take its time.
+bool SessionLocalizer::is_found_start_wrong(double travelled_m) const {
+  const double fitted_at_m = std::max(*found_at_m_, fitted_at_m_.value_or(*found_at_m_));
+  return travelled_m - *found_at_m_ > config_.found_start.max_way_m ||
+         travelled_m - fitted_at_m > config_.found_start.max_misfit_m;
 }
 
 // As a new session there, of what has not had a place so far.
@@ -195,6 +222,7 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
   Prediction result;
   result.is_start = !dead_reckoning_.is_localized();
   result.is_early = dead_reckoning_.is_start_before(window);
+  result.is_found = found_at_m_ && (result.is_start || result.is_early);
   result.before = dead_reckoning_.before(window, database_);
   result.prior = dead_reckoning_.prior(window, database_);
   result.newest = dead_reckoning_.at(database_.newest().item);
@@ -286,7 +314,7 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
       if (std::ranges::any_of(visited, is_here)) break;
     }
     if (round == 0 && config_.shift_profile.is_used) {
-      shift_profile_ = shift_profile(fit.association.matches);
+      shift_profile_ = shift_profile(fit.association.matches, config_.shift_profile.steps);
     }
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
@@ -302,12 +330,15 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
 }
 
 // What the window, as it was optimized with these matches, tells of its place beside that.
-ShiftProfile SessionLocalizer::shift_profile(const std::vector<MapMatch>& matches) const {
+ShiftProfile SessionLocalizer::shift_profile(const std::vector<MapMatch>& matches,
+                                             int steps) const {
+  ShiftProfileConfig config = config_.shift_profile;
+  config.steps = steps;
   return {seen_without_map(problem_.landmarks(), matches, config_.problem.map_kernel),
           *map_,
           config_.rounds.final_gate_m,
           config_.association,
-          config_.shift_profile,
+          config,
           alignment_.rival_score()};
 }
 
@@ -327,17 +358,27 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
     const Prediction& prediction, const MapFit& fit, const std::optional<Look>& looked) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
+  fitted_at_m_ = dead_reckoning_.travelled_m(database_.newest().item.id);
 
   WindowSystem system = problem_.system();
-  const Matrix6d rivals = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
+  Matrix6d beside = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
+  // What a start pose tells of the place, a search does not: it has to be seen in the map.
+  if (prediction.is_found && !config_.shift_profile.is_used) {
+    const auto profile = shift_profile(fit.association.matches, config_.found_start.shift_steps);
+    beside += shift_covariance(profile.excess(), fit.T_map_body);
+  }
   const auto stated =
-      answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, rivals);
+      answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, beside);
   const auto certain = acceptance_.check_certainty(stated, has_found_start());
   if (!certain) return unexpected(certain.error());
 
   const SubmapKeyframe& newest = database_.newest().item;
-  const TravelledPath path{dead_reckoning_.travelled_m(database_.window().front()),
-                           dead_reckoning_.travelled_m(newest.id)};
+  TravelledPath path{dead_reckoning_.travelled_m(database_.window().front()),
+                     dead_reckoning_.travelled_m(newest.id)};
+  if (has_found_start()) {
+    if (first_place_->is_ambiguous()) return unexpected(Rejection::kAmbiguous);
+    path.searched_m = found_in_m_;
+  }
   const auto confirmed = acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, path);
   if (!confirmed) return unexpected(confirmed.error());
   return Solution{{fit.T_map_body, stated->covariance}, std::move(system)};
@@ -391,7 +432,8 @@ LocalizationResult SessionLocalizer::answer(LocalizationStatus status) const {
 }
 
 int SessionLocalizer::places_left() const {
-  const bool is_searched_for = !dead_reckoning_.has_anchor() || acceptance_.is_lost();
+  const bool is_searched_for =
+      !dead_reckoning_.has_anchor() || acceptance_.is_lost() || has_found_start();
   if (!first_place_ || !is_searched_for) return 0;
   if (first_place_->is_off_map() && !first_place_->is_ambiguous()) return 0;
   return std::min(static_cast<int>(first_place_->places_left()), kMaxPlaces);

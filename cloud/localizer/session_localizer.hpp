@@ -78,7 +78,9 @@ class SessionLocalizer {
   struct FoundStart {
     double sigma_cells;  ///< of the pyramid
     double sigma_rad;
-    double max_way_m;  ///< without a localization; then it is given up
+    int shift_steps;      ///< of the ShiftProfile of the windows that have all that was localized
+    double max_way_m;     ///< driven without a localization, and
+    double max_misfit_m;  ///< without a window that fits there: then it is given up
   };
   struct Config {
     SessionDatabase::Config database;
@@ -164,7 +166,9 @@ class SessionLocalizer {
   [[nodiscard]] Rejection not_ready(Rejection reason) const;
   [[nodiscard]] SessionDatabase unexplained() const;
   void begin_search(double travelled_m);
+  [[nodiscard]] bool is_held(const Pose& T_map_odom) const;
   void start_at(const Pose& T_map_odom);
+  [[nodiscard]] bool is_found_start_wrong(double travelled_m) const;
   void give_up_found_start();
   void begin_anew(const std::optional<MapOdomEstimate>& start);
   void synchronize(const std::vector<KeyframeId>& window);
@@ -175,7 +179,7 @@ class SessionLocalizer {
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
   MapFit fit_to_map(const Prediction& prediction, const std::vector<KeyframeId>& window);
-  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches) const;
+  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches, int steps) const;
   void keep_recent(std::vector<WindowLandmark>& landmarks,
                    const std::vector<KeyframeId>& window) const;
   expected<Solution, Rejection> accept(const Prediction& prediction,
@@ -199,6 +203,9 @@ class SessionLocalizer {
   std::optional<KeyframeId> localized_until_;
   std::optional<FirstPlace> first_place_;
   std::optional<double> found_at_m_;           // travelled, of the start pose that was found last
+  double search_way_m_ = 0.0;                  // in the window of the search that began last,
+  double found_in_m_ = 0.0;                    // and of the last one that has found that start pose
+  std::optional<double> fitted_at_m_;          // travelled, of the last window that fitted the map
   std::optional<ShiftProfile> shift_profile_;  // of the last window
   std::optional<Look> early_look_;  // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;

@@ -33,7 +33,9 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
 SessionLocalizer::FoundStart read_found_start(ConfigReader section) {
   return {.sigma_cells = section.positive("sigma_cells"),
           .sigma_rad = section.positive("sigma_rad"),
-          .max_way_m = section.positive("max_way_m")};
+          .shift_steps = section.integer("shift_steps", 1, 100),
+          .max_way_m = section.positive("max_way_m"),
+          .max_misfit_m = section.positive("max_misfit_m")};
 }
 
 }  // namespace

@@ -63,9 +63,24 @@ TEST(StartConfirmation, NeedsALongWindowWhereTheStartPoseLeavesRoomForOtherPlace
   const auto with_sigma = [](double m) {
     return PoseWithCovariance{placed_at(7.0, 0.0), diagonal_covariance(0.09, m)};
   };
-  EXPECT_TRUE(start.is_distinct(with_sigma(0.9), 1.0));
-  EXPECT_FALSE(start.is_distinct(with_sigma(1.1), 14.0));
-  EXPECT_TRUE(start.is_distinct(with_sigma(1.1), 15.0));
+  const auto window_of = [](double m) {
+    return TravelledPath{.to_oldest_m = 2.0, .to_newest_m = 2.0 + m};
+  };
+  EXPECT_TRUE(start.is_distinct(with_sigma(0.9), window_of(1.0)));
+  EXPECT_FALSE(start.is_distinct(with_sigma(1.1), window_of(14.0)));
+  EXPECT_TRUE(start.is_distinct(with_sigma(1.1), window_of(15.0)));
+}
+
+// As a place 240 m off that was the only one after 8 m, and fitted until the robot had driven 15 m.
+TEST(StartConfirmation, NeedsAPlaceThatIsFoundAgainFromALongerWindow) {
+  const StartConfirmation start = session();
+  const auto is_distinct_with = [&start](double sigma_m, double searched_m) {
+    return start.is_distinct({placed_at(7.0, 0.0), diagonal_covariance(0.09, sigma_m)},
+                             {.to_oldest_m = 0.0, .to_newest_m = 16.0, .searched_m = searched_m});
+  };
+  EXPECT_FALSE(is_distinct_with(1.2, 9.0));
+  EXPECT_TRUE(is_distinct_with(1.2, 10.0));
+  EXPECT_TRUE(is_distinct_with(0.6, 2.0)) << "in a room";
 }
 
 // A robot that comes from another localizer has to drive nowhere first.
