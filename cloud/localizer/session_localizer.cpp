@@ -50,7 +50,8 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       alignment_(*map_, config_.association, config_.alignment),
       nearest_(*map_),
       dead_reckoning_(session.start, config_.drift),
-      acceptance_(config_.acceptance, config_.confirmation, config_.place_doubt) {
+      acceptance_(config_.acceptance, config_.confirmation, config_.place_doubt),
+      found_start_(config_.found_start) {
   if (!pyramid) return;
   std::optional<FirstPlace::Region> region;
   if (session.start) region = FirstPlace::region_of(*session.start, config_.first_place);
@@ -111,7 +112,7 @@ LocalizationResult SessionLocalizer::localize() {
 // @return whether there is another place now
 bool SessionLocalizer::search() {
   const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
-  if (has_found_start() && is_found_start_wrong(travelled_m)) give_up_found_start();
+  if (has_found_start() && found_start_.is_wrong(travelled_m)) give_up_found_start();
   const bool has_place = dead_reckoning_.has_anchor() && !acceptance_.is_lost();
   if (has_place && !has_found_start()) return false;
   if (!first_place_->is_running()) {
@@ -120,8 +121,10 @@ bool SessionLocalizer::search() {
   }
   const auto T_map_odom = first_place_->advance();
   if (!T_map_odom) return false;
-  found_in_m_ = search_way_m_;
-  if (has_place && is_held(*T_map_odom)) return false;
+  if (has_place && is_held(*T_map_odom)) {
+    found_start_.find_again(search_way_m_);
+    return false;
+  }
   start_at(*T_map_odom);
   return true;
 }
@@ -168,13 +171,6 @@ bool SessionLocalizer::is_held(const Pose& T_map_odom) const {
   return T_held_found.p.norm() < same.same_m && log_so3(T_held_found.R).norm() < same.same_rad;
 }
 
-// A wrong one is refused by acceptance as the robot drives on; a right one may take its time.
-bool SessionLocalizer::is_found_start_wrong(double travelled_m) const {
-  const double fitted_at_m = std::max(*found_at_m_, fitted_at_m_.value_or(*found_at_m_));
-  return travelled_m - *found_at_m_ > config_.found_start.max_way_m ||
-         travelled_m - fitted_at_m > config_.found_start.max_misfit_m;
-}
-
 // As a new session there, of what has not had a place so far.
 void SessionLocalizer::start_at(const Pose& T_map_odom) {
   const SubmapKeyframe& newest = database_.newest().item;
@@ -185,7 +181,7 @@ void SessionLocalizer::start_at(const Pose& T_map_odom) {
   begin_anew(MapOdomEstimate{.T_map_odom = T_map_odom,
                              .covariance = A * covariance * A.transpose(),
                              .p_odom = newest.T_odom_body.p});
-  found_at_m_ = dead_reckoning_.travelled_m(newest.id);
+  found_start_.find(dead_reckoning_.travelled_m(newest.id), search_way_m_);
 }
 
 std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
@@ -193,7 +189,7 @@ std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
 }
 
 void SessionLocalizer::give_up_found_start() {
-  found_at_m_.reset();
+  found_start_.give_up();
   begin_anew(std::nullopt);
 }
 
@@ -222,7 +218,7 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
   Prediction result;
   result.is_start = !dead_reckoning_.is_localized();
   result.is_early = dead_reckoning_.is_start_before(window);
-  result.is_found = found_at_m_ && (result.is_start || result.is_early);
+  result.is_found = found_start_.exists() && (result.is_start || result.is_early);
   result.before = dead_reckoning_.before(window, database_);
   result.prior = dead_reckoning_.prior(window, database_);
   result.newest = dead_reckoning_.at(database_.newest().item);
@@ -358,7 +354,7 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
     const Prediction& prediction, const MapFit& fit, const std::optional<Look>& looked) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
-  fitted_at_m_ = dead_reckoning_.travelled_m(database_.newest().item.id);
+  found_start_.fit(dead_reckoning_.travelled_m(database_.newest().item.id));
 
   WindowSystem system = problem_.system();
   Matrix6d beside = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
@@ -377,7 +373,7 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
                      dead_reckoning_.travelled_m(newest.id)};
   if (has_found_start()) {
     if (first_place_->is_ambiguous()) return unexpected(Rejection::kAmbiguous);
-    path.searched_m = found_in_m_;
+    path.searched_m = found_start_.searched_m();
   }
   const auto confirmed = acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, path);
   if (!confirmed) return unexpected(confirmed.error());

@@ -10,6 +10,7 @@
 #include "cloud/localizer/acceptance.hpp"
 #include "cloud/localizer/dead_reckoning.hpp"
 #include "cloud/localizer/first_place.hpp"
+#include "cloud/localizer/found_start.hpp"
 #include "cloud/localizer/localization_diagnostics.hpp"
 #include "cloud/localizer/map_correction.hpp"
 #include "cloud/localizer/map_fit.hpp"
@@ -74,14 +75,6 @@ class SessionLocalizer {
     double start_floor_m;
     double start_floor_rad;
   };
-  /// A start pose that FirstPlace has found.
-  struct FoundStart {
-    double sigma_cells;  ///< of the pyramid
-    double sigma_rad;
-    int shift_steps;      ///< of the ShiftProfile of the windows that have all that was localized
-    double max_way_m;     ///< driven without a localization, and
-    double max_misfit_m;  ///< without a window that fits there: then it is given up
-  };
   struct Config {
     SessionDatabase::Config database;
     WindowProblem::Config problem;
@@ -94,7 +87,7 @@ class SessionLocalizer {
     Acceptance::Config acceptance;
     StartConfirmation::Config confirmation;
     FirstPlace::Config first_place;
-    FoundStart found_start;
+    FoundStart::Config found_start;
     PlaceDoubt::Config place_doubt;
     int recent_keyframes;  ///< the newest ones, of PlaceDoubt
     CovarianceInflation covariance_inflation;
@@ -160,7 +153,7 @@ class SessionLocalizer {
   bool search();
   /// Whether it has a place that was found, and from which nothing was localized so far.
   [[nodiscard]] bool has_found_start() const {
-    return found_at_m_ && !dead_reckoning_.is_localized();
+    return found_start_.exists() && !dead_reckoning_.is_localized();
   }
   [[nodiscard]] int places_left() const;
   [[nodiscard]] Rejection not_ready(Rejection reason) const;
@@ -168,7 +161,6 @@ class SessionLocalizer {
   void begin_search(double travelled_m);
   [[nodiscard]] bool is_held(const Pose& T_map_odom) const;
   void start_at(const Pose& T_map_odom);
-  [[nodiscard]] bool is_found_start_wrong(double travelled_m) const;
   void give_up_found_start();
   void begin_anew(const std::optional<MapOdomEstimate>& start);
   void synchronize(const std::vector<KeyframeId>& window);
@@ -202,10 +194,8 @@ class SessionLocalizer {
   Acceptance acceptance_;
   std::optional<KeyframeId> localized_until_;
   std::optional<FirstPlace> first_place_;
-  std::optional<double> found_at_m_;           // travelled, of the start pose that was found last
-  double search_way_m_ = 0.0;                  // in the window of the search that began last,
-  double found_in_m_ = 0.0;                    // and of the last one that has found that start pose
-  std::optional<double> fitted_at_m_;          // travelled, of the last window that fitted the map
+  FoundStart found_start_;
+  double search_way_m_ = 0.0;                  // in the window of the search that began last
   std::optional<ShiftProfile> shift_profile_;  // of the last window
   std::optional<Look> early_look_;  // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;

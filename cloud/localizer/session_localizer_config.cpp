@@ -30,14 +30,6 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
           .start_floor_rad = section.positive("start_floor_rad")};
 }
 
-SessionLocalizer::FoundStart read_found_start(ConfigReader section) {
-  return {.sigma_cells = section.positive("sigma_cells"),
-          .sigma_rad = section.positive("sigma_rad"),
-          .shift_steps = section.integer("shift_steps", 1, 100),
-          .max_way_m = section.positive("max_way_m"),
-          .max_misfit_m = section.positive("max_misfit_m")};
-}
-
 }  // namespace
 
 SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
@@ -53,7 +45,7 @@ SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
       .acceptance = read_acceptance_config(section.section("acceptance")),
       .confirmation = read_start_confirmation_config(section.section("confirmation")),
       .first_place = read_first_place_config(section.section("first_place")),
-      .found_start = read_found_start(section.section("found_start")),
+      .found_start = read_found_start_config(section.section("found_start")),
       .place_doubt = read_place_doubt_config(section.section("place_doubt")),
       .recent_keyframes = section.integer("recent_keyframes", 1, 1000),
       .covariance_inflation = read_covariance_inflation(section.section("covariance_inflation")),
