@@ -223,6 +223,7 @@ PointTable read_table(std::istream& stream, const std::vector<std::string>& fiel
     if (element.name == "vertex" && element.count > 0) {
       return read_vertices(values, element, fields);
     }
+    if (element.properties.empty()) continue;  // however many there are
     for (std::size_t i = 0; i < element.count; ++i) read_item(values, element, skipped);
   }
   throw PointCloudError("holds no points");

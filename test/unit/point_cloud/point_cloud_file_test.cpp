@@ -2,10 +2,14 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/io/pcd_io.h>
 
 #include "test/test_folder.hpp"
 
@@ -88,6 +92,63 @@ TEST(PointCloudFile, ReadsAsciiPcd) {
             "TYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\n"
             "POINTS 2\nDATA ascii\n1 1.25 1.5 7\n-4.5 -4.25 -4 8\n");
   EXPECT_THAT(read_points(file), kTwoPoints);
+}
+
+TEST(PointCloudFile, ReadsPcdOfOtherTypesThatIsCompressed) {
+  pcl::PCLPointCloud2 cloud;
+  cloud.width = 2;
+  cloud.height = 1;
+  std::uint32_t offset = 0;
+  for (const auto& [name, type, bytes, count] :
+       {std::tuple{"id", pcl::PCLPointField::UINT8, 1U, 3U},
+        {"x", pcl::PCLPointField::FLOAT64, 8U, 1U},
+        {"y", pcl::PCLPointField::INT16, 2U, 1U},
+        {"z", pcl::PCLPointField::FLOAT32, 4U, 1U}}) {
+    cloud.fields.emplace_back();
+    cloud.fields.back().name = name;
+    cloud.fields.back().offset = offset;
+    cloud.fields.back().datatype = static_cast<std::uint8_t>(type);
+    cloud.fields.back().count = count;
+    offset += bytes * count;
+  }
+  cloud.point_step = offset;
+  cloud.row_step = 2 * offset;
+  cloud.data.resize(cloud.row_step, 0);
+  for (const std::uint32_t i : {0U, 1U}) {
+    const double x = 1.5 + i;
+    const auto y = static_cast<std::int16_t>(-7 - static_cast<int>(i));
+    const float z = 0.25F;
+    std::memcpy(&cloud.data[i * offset + 3], &x, 8);
+    std::memcpy(&cloud.data[i * offset + 11], &y, 2);
+    std::memcpy(&cloud.data[i * offset + 13], &z, 4);
+  }
+  const auto file = file_named("a.pcd");
+  pcl::PCDWriter().writeBinaryCompressed(file.string(), cloud);
+  EXPECT_THAT(
+      read_points(file),
+      ElementsAre(Eigen::Vector3f(1.5F, -7.0F, 0.25F), Eigen::Vector3f(2.5F, -8.0F, 0.25F)));
+}
+
+TEST(PointCloudFile, RefusesAPcdThatPromisesWhatIsNotThere) {
+  const std::string head = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n";
+  const std::string many = "COUNT 1 1 1\nWIDTH 4000000000\nHEIGHT 1\nPOINTS 4000000000\n";
+  const std::string one = "WIDTH 1\nHEIGHT 1\nPOINTS 1\n";
+  for (const char* encoding : {"ascii", "binary", "binary_compressed"}) {
+    const auto file = write("a.pcd", head + many + "DATA " + encoding + "\n12345678");
+    EXPECT_THAT(error_of([&] { read_points(file); }), HasSubstr("ends before its last point"));
+  }
+  const std::string data = "DATA binary\n123456781234";
+  EXPECT_EQ(read_points(write("a.pcd", head + "COUNT 1 1 1\n" + one + data)).size(), 1U);
+  const auto no_z = write("b.pcd", head + "COUNT 1 1 0\n" + one + data);
+  EXPECT_THAT(error_of([&] { read_points(no_z); }), HasSubstr("field 'z' has no valid size"));
+  const auto two = write("c.pcd", head + "WIDTH 2\nHEIGHT 1\nPOINTS 1\n" + data);
+  EXPECT_THAT(error_of([&] { read_points(two); }), HasSubstr("WIDTH times HEIGHT is not POINTS"));
+}
+
+TEST(PointCloudFile, DoesNotCountElementsOfPlyThatHaveNothing) {
+  const auto file =
+      write("a.ply", "ply\nformat ascii 1.0\nelement face 4000000000000\nend_header\n");
+  EXPECT_THAT(error_of([&] { read_points(file); }), HasSubstr("holds no points"));
 }
 
 TEST(PointCloudFile, ReturnsWrittenFieldsBitByBit) {
