@@ -6,14 +6,20 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "shared/core/image_pixels.hpp"
 #include "shared/core/jpeg_end.hpp"
 #include "shared/dataset/dataset_error.hpp"
 
 namespace fleetloc {
 namespace {
 
-bool is_jpeg(const std::vector<unsigned char>& bytes) {
-  return bytes.size() >= 2 && bytes[0] == 0xff && bytes[1] == 0xd8;
+/// Empty if it cannot be decoded.
+cv::Mat decoded(const std::vector<unsigned char>& bytes) {
+  try {
+    return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {  // of sizes that contradict each other
+    return {};
+  }
 }
 
 }  // namespace
@@ -24,7 +30,11 @@ cv::Mat read_image(const std::filesystem::path& file) {
   if (!stream) throw DatasetError(file.string() + ": cannot be read");
   if (bytes.empty()) throw DatasetError(file.string() + ": is empty");
   if (is_jpeg(bytes) && !has_jpeg_end(bytes)) throw DatasetError(file.string() + ": is cut off");
-  cv::Mat gray = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const auto pixels = image_pixels(bytes);
+  if (pixels && *pixels > kMaxPixels) {
+    throw DatasetError(file.string() + ": has more than 64 million pixels");
+  }
+  cv::Mat gray = pixels ? decoded(bytes) : cv::Mat();
   if (gray.empty()) throw DatasetError(file.string() + ": is not an image, or damaged");
   return gray;
 }

@@ -86,6 +86,10 @@ Timestamp DelimitedFile::nanoseconds(std::size_t column) const {
   if (!parse(text(column), value)) {
     fail("'" + std::string(text(column)) + "' is not a stamp in nanoseconds");
   }
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 62;  // so that no difference overflows
+  if (value < -kFarthest || value > kFarthest) {
+    fail("'" + std::string(text(column)) + "' is too large for a stamp");
+  }
   return Timestamp(Duration(value));
 }
 

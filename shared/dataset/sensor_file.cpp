@@ -55,6 +55,12 @@ Pose read_pose_on_rig(ConfigReader& reader) {
   return {.R = Eigen::Quaterniond(R).normalized(), .p = T.topRightCorner<3, 1>()};
 }
 
+double read_rate(ConfigReader& reader) {
+  constexpr double kLowest_hz = 1e-3;  // so that a period is a duration
+  constexpr double kHighest_hz = 1e6;
+  return reader.number("rate_hz", kLowest_hz, kHighest_hz);
+}
+
 Camera::Distortion read_distortion(ConfigReader& reader) {
   const auto name = reader.get<std::string>("distortion_model");
   if (name == kRadialTangential || name == "radtan") return Camera::Distortion::kRadialTangential;
@@ -120,7 +126,7 @@ CameraFile read_camera_file(const std::filesystem::path& file) {
   return read(file, [](ConfigReader& reader) {
     return CameraFile{.camera = read_camera(reader),
                       .T_rig_cam = read_pose_on_rig(reader),
-                      .rate_hz = reader.positive("rate_hz")};
+                      .rate_hz = read_rate(reader)};
   });
 }
 
@@ -131,9 +137,8 @@ ImuFile read_imu_file(const std::filesystem::path& file) {
         .gyroscope_random_walk = reader.positive("gyroscope_random_walk"),
         .accelerometer_noise_density = reader.positive("accelerometer_noise_density"),
         .accelerometer_random_walk = reader.positive("accelerometer_random_walk")};
-    return ImuFile{.noise = noise,
-                   .T_rig_imu = read_pose_on_rig(reader),
-                   .rate_hz = reader.positive("rate_hz")};
+    return ImuFile{
+        .noise = noise, .T_rig_imu = read_pose_on_rig(reader), .rate_hz = read_rate(reader)};
   });
 }
 
@@ -142,7 +147,7 @@ LidarCalibration read_lidar_file(const std::filesystem::path& file) {
   constexpr int kMaxRings = 256;
   return read(file, [](ConfigReader& reader) {
     return LidarCalibration{.T_body_lidar = read_pose_on_rig(reader),
-                            .rate_hz = reader.positive("rate_hz"),
+                            .rate_hz = read_rate(reader),
                             .columns = reader.integer("columns", 1, kMaxColumns),
                             .rings = reader.integer("rings", 1, kMaxRings)};
   });

@@ -6,12 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "shared/core/image_pixels.hpp"
 #include "shared/ros2/ros2_refusal.hpp"
 
 namespace fleetloc {
-
-/// Larger images are refused [px].
-inline constexpr std::uint64_t kMaxPixels = 64'000'000;
 
 /// An image as it stands in a message.
 struct RawImage {

@@ -60,6 +60,14 @@ TEST(DelimitedFile, ReadsStampsExactly) {
   EXPECT_EQ(file.seconds(3), Timestamp(std::chrono::milliseconds(500)));
 }
 
+TEST(DelimitedFile, RefusesStampsWhoseDifferencesWouldOverflow) {
+  DelimitedFile file = file_with("4611686018427387904,-4611686018427387905,9e9\n", ',');
+  ASSERT_TRUE(file.next());
+  EXPECT_EQ(file.nanoseconds(0), Timestamp(Duration(std::int64_t{1} << 62)));
+  EXPECT_THAT(error_of([&] { static_cast<void>(file.nanoseconds(1)); }),
+              HasSubstr(":1: '-4611686018427387905' is too large for a stamp"));
+}
+
 TEST(DelimitedFile, NamesFileAndLineOfWhatItCannotRead) {
   DelimitedFile file = file_with("1,2\n3,nan\n", ',');
   file.next();

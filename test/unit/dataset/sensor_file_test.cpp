@@ -81,7 +81,9 @@ TEST(SensorFile, NamesWhatIsWrong) {
   EXPECT_THAT(error_of(replaced(kCamera, "-0.06", ".nan")), HasSubstr(":7: T_BS.data: not all"));
   EXPECT_THAT(error_of(replaced(kCamera, "458.5", ".nan")), HasSubstr(":14: intrinsics: not all"));
   EXPECT_THAT(error_of(replaced(kCamera, "457.25", "-1")), HasSubstr(":14: intrinsics: the focal"));
-  EXPECT_THAT(error_of(replaced(kCamera, "rate_hz: 20", "rate_hz: 0")), HasSubstr(":11: rate_hz"));
+  for (const char* rate : {"rate_hz: 0", "rate_hz: 1e-300", "rate_hz: 1e300", "rate_hz: .nan"}) {
+    EXPECT_THAT(error_of(replaced(kCamera, "rate_hz: 20", rate)), HasSubstr(":11: rate_hz"));
+  }
   EXPECT_THAT(error_of(replaced(kCamera, "pinhole", "omni")),
               HasSubstr(":13: camera_model: 'omni'"));
   EXPECT_THAT(error_of(replaced(kCamera, "resolution", "size")), HasSubstr("resolution: missing"));
