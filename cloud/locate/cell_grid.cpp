@@ -36,15 +36,18 @@ std::optional<CellGrid> CellGrid::of_parts(const Eigen::Vector3i& min,
                                            const Eigen::Vector3i& max,
                                            std::vector<std::uint32_t> directory,
                                            std::vector<Brick> bricks) {
-  constexpr std::int64_t kMaxEdge = 1 << 20;  // [cells]; so that no product overflows
+  constexpr std::int64_t kMaxEdge = 1 << 20;   // [cells]; so that no product overflows
+  constexpr std::int64_t kFarthest = 1 << 30;  // nor any sum
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t edge = std::int64_t{max(axis)} - min(axis);
-    if (edge < 0 || edge > kMaxEdge) return std::nullopt;
+    const bool is_near = min(axis) >= -kFarthest && max(axis) <= kFarthest;
+    if (edge < 0 || edge > kMaxEdge || !is_near) return std::nullopt;
   }
   const std::array<std::uint32_t, 3> size = size_in_bricks(min, max);
+  const bool is_flat = product(size) == 0 && min != max;  // without bricks it could have any size
   const auto exists = [&](std::uint32_t brick) { return brick < bricks.size(); };
   const bool is_first_empty = !bricks.empty() && bricks.front() == Brick{};
-  if (directory.size() != product(size) || !is_first_empty ||
+  if (is_flat || directory.size() != product(size) || !is_first_empty ||
       !std::ranges::all_of(directory, exists)) {
     return std::nullopt;
   }

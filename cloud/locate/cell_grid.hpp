@@ -27,7 +27,7 @@ class CellGrid {
   CellGrid(const Eigen::Vector3i& min, const Eigen::Vector3i& max);
   /// What directory() and bricks() have returned.
   /// @return nothing if they are not of one grid with these bounds, or it has a million cells along
-  ///         an axis
+  ///         an axis, or is a billion away
   static std::optional<CellGrid> of_parts(const Eigen::Vector3i& min,
                                           const Eigen::Vector3i& max,
                                           std::vector<std::uint32_t> directory,

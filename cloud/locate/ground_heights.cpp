@@ -54,7 +54,7 @@ GroundHeights::GroundHeights(const Eigen::Vector2d& min_map,
 
 std::size_t GroundHeights::index(double x_m, double y_m) const {
   const auto cell = [](double offset_m, int count) {
-    return std::clamp(static_cast<int>(std::floor(offset_m / kCell_m)), 0, count - 1);
+    return static_cast<int>(std::clamp(std::floor(offset_m / kCell_m), 0.0, count - 1.0));
   };
   const int x = cell(x_m - min_map_.x(), width_);
   const int y = cell(y_m - min_map_.y(), depth_);

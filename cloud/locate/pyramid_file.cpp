@@ -121,16 +121,17 @@ std::optional<std::string> read(const std::filesystem::path& file) {
   return text;
 }
 
-/// Nothing if it is not of width x depth cells.
+/// Nothing if it is not of width x depth cells, or farther away than any place on earth.
 std::optional<GroundHeights> take_ground(Content& content) {
+  constexpr double kFarthest_m = 1e8;
   const auto x = content.take<double>();
   const auto y = content.take<double>();
   const auto width = content.take<int>();
   const auto depth = content.take<int>();
   auto heights = content.take_all<float>();
-  const bool are_finite = std::isfinite(x) && std::isfinite(y) &&
-                          std::ranges::all_of(heights, [](float z) { return std::isfinite(z); });
-  if (!are_finite || width < 1 || depth < 1 ||
+  const bool is_near = std::abs(x) <= kFarthest_m && std::abs(y) <= kFarthest_m;
+  const bool are_finite = std::ranges::all_of(heights, [](float z) { return std::isfinite(z); });
+  if (!is_near || !are_finite || width < 1 || depth < 1 ||
       heights.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(depth)) {
     return std::nullopt;
   }

@@ -68,6 +68,8 @@ TEST(CellGrid, IsMadeOfItsPartsAndOfNoOthers) {
   EXPECT_FALSE(CellGrid::of_parts(min, {10, 9, 50}, directory, bricks)) << "another box";
   const Eigen::Vector3i far = Eigen::Vector3i::Constant(1 << 30);
   EXPECT_FALSE(CellGrid::of_parts(-far, far, {}, bricks)) << "its cells cannot be counted";
+  EXPECT_FALSE(CellGrid::of_parts({0, 0, 0}, {1000, 1000, 0}, {}, bricks)) << "a box without cells";
+  EXPECT_FALSE(CellGrid::of_parts(far, far + max - min, directory, bricks)) << "a box too far away";
   EXPECT_FALSE(CellGrid::of_parts(min, {10, 9, 4}, directory, bricks)) << "a cell beyond the box";
   EXPECT_FALSE(CellGrid::of_parts(min, max, directory, {})) << "no bricks";
   auto few = bricks;
