@@ -22,6 +22,9 @@ Pose pose_from_text(const std::string& text) {
   }
   const Eigen::Quaterniond R(values[6], values[3], values[4], values[5]);
   if (R.norm() < 1e-6) throw std::invalid_argument("'" + text + "' is no pose: zero quaternion");
+  if (!std::isfinite(R.norm())) {
+    throw std::invalid_argument("'" + text + "' is no pose: the quaternion is too long");
+  }
   return {R.normalized(), {values[0], values[1], values[2]}};
 }
 
