@@ -1,0 +1,9 @@
+#include "deploy/sim/world/scene_config.hpp"
+#include "test/fuzz/input_files.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace fleetloc;
+  const auto file = input_file("world.yaml", data, size);
+  read_or_refuse<ConfigError>([&] { read_world_config(ConfigReader::from_file(file)); });
+  return 0;
+}
