@@ -96,6 +96,7 @@ Acceptance::Verdict Acceptance::confirm(const MapFit& fit,
                                         const PoseWithCovariance& predicted,
                                         const Pose& T_odom_body,
                                         const TravelledPath& path) {
+  if (!start_.is_found_well(predicted, path)) return unexpected(kUnconfirmed);
   const bool is_sure = (is_confident(fit.association) && start_.is_distinct(predicted, path)) ||
                        start_.is_vouched_for(predicted, fit.T_map_body);
   if (!start_.take(fit.T_map_body, T_odom_body, path.to_newest_m, is_sure)) {
@@ -145,7 +146,13 @@ bool StartConfirmation::is_vouched_for(const PoseWithCovariance& predicted,
 bool StartConfirmation::is_distinct(const PoseWithCovariance& predicted,
                                     const TravelledPath& path) const {
   return max_sigma(predicted.covariance.bottomRightCorner<3, 3>()) <= config_.known_start_m ||
-         (path.window_m() >= config_.path_m && path.searched_m >= config_.searched_path_m);
+         path.window_m() >= config_.path_m;
+}
+
+bool StartConfirmation::is_found_well(const PoseWithCovariance& predicted,
+                                      const TravelledPath& path) const {
+  return max_sigma(predicted.covariance.bottomRightCorner<3, 3>()) <= config_.known_start_m ||
+         path.searched_m >= config_.searched_path_m;
 }
 
 Acceptance::Config read_acceptance_config(ConfigReader section) {

@@ -56,9 +56,14 @@ class StartConfirmation {
   /// Whether a confident solution is the place: the start pose leaves little room for others, or
   /// the window is long.
   /// @param predicted  as above
-  /// @param window_m   the way in the window
   [[nodiscard]] bool is_distinct(const PoseWithCovariance& predicted,
                                  const TravelledPath& path) const;
+
+  /// Whether a place that a search has found was found in a window that is long enough for the
+  /// room that there is.
+  /// @param predicted  as above
+  [[nodiscard]] bool is_found_well(const PoseWithCovariance& predicted,
+                                   const TravelledPath& path) const;
 
   /// Of the last solution; nothing once the session is confirmed.
   [[nodiscard]] const std::optional<Pose>& last_T_map_odom() const { return last_T_map_odom_; }

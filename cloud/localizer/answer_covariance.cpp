@@ -18,7 +18,7 @@ std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const MapConstraint& constraint,
                                                   const DegeneracyConfig& config,
                                                   const Prediction& prediction,
-                                                  const Matrix6d& beside) {
+                                                  const Matrix6d& other_places) {
   const std::optional<Matrix6d> marginal = system.covariance_of_newest();
   if (!marginal) return std::nullopt;
   PoseWithCovariance newest{system.T_map_body.back(), *marginal};
@@ -35,7 +35,7 @@ std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
   }
   const WeakDirections weak = constraint.weaker_than(config.weak_sigma_m);
   const double weak_sigma_m = weak_sigma(weak, constraint.motion, newest);
-  newest.covariance += beside;
+  newest.covariance += other_places;
   return AnswerCovariance{newest.covariance, weak_sigma_m};
 }
 

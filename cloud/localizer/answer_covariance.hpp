@@ -19,13 +19,13 @@ struct AnswerCovariance {
 /// the optimization adds to it there is noise of the map's normals. A first place was looked for in
 /// all the room that the start pose leaves, and its matches were chosen with it: there more
 /// directions count. A place that was found by a search comes with no start pose to fall back to.
-/// @param beside  of the newest keyframe: second moment of other places that fit nearly as well
+/// @param other_places  of the newest keyframe: second moment of those that fit nearly as well
 /// @return nothing if a system is singular
 std::optional<AnswerCovariance> answer_covariance(const WindowProblem& problem,
                                                   const WindowSystem& system,
                                                   const MapConstraint& constraint,
                                                   const DegeneracyConfig& config,
                                                   const Prediction& prediction,
-                                                  const Matrix6d& beside);
+                                                  const Matrix6d& other_places);
 
 }  // namespace fleetloc

@@ -7,7 +7,7 @@ FoundStart::Config read_found_start_config(ConfigReader section) {
           .sigma_rad = section.positive("sigma_rad"),
           .shift_steps = section.integer("shift_steps", 1, 100),
           .max_way_m = section.positive("max_way_m"),
-          .max_misfit_m = section.positive("max_misfit_m")};
+          .max_refused_way_m = section.positive("max_refused_way_m")};
 }
 
 }  // namespace fleetloc

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
+#include "cloud/localizer/rejection.hpp"
 #include "shared/config/config_reader.hpp"
 
 namespace fleetloc {
@@ -14,25 +16,29 @@ class FoundStart {
   struct Config {
     double sigma_cells;  ///< of the pose, in cells of the pyramid
     double sigma_rad;
-    int shift_steps;      ///< of the ShiftProfile of the windows that have all that was localized
-    double max_way_m;     ///< driven without a localization, and
-    double max_misfit_m;  ///< without a window that fits there: then it is given up
+    int shift_steps;   ///< of the ShiftProfile of the windows that have all that was localized
+    double max_way_m;  ///< driven without a localization, and
+    double max_refused_way_m;  ///< while all windows speak against it: then it is given up
   };
 
   explicit FoundStart(const Config& config) : config_(config) {}
 
   /// @param travelled_m  until now
   /// @param searched_m   in the window of the search
-  void find(double travelled_m, double searched_m) {
-    found_ = Found{.at_m = travelled_m, .fitted_at_m = travelled_m, .searched_m = searched_m};
+  void begin(double travelled_m, double searched_m) {
+    found_ = Found{.at_m = travelled_m, .refused_since_m = {}, .searched_m = searched_m};
   }
-  /// By another search, at the same place.
-  void find_again(double searched_m) {
-    if (found_) found_->searched_m = searched_m;
+  /// Another search has found the same place.
+  void confirm(double searched_m) {
+    if (found_) found_->searched_m = std::max(found_->searched_m, searched_m);
   }
-  /// A window fits the map there, though it may not tell the place well enough.
-  void fit(double travelled_m) {
-    if (found_) found_->fitted_at_m = travelled_m;
+  /// What a window says of it that is not localized there.
+  void judge(PlaceEvidence evidence, double travelled_m) {
+    if (!found_ || evidence == PlaceEvidence::kNone) return;
+    if (evidence == PlaceEvidence::kFor) found_->refused_since_m.reset();
+    if (evidence == PlaceEvidence::kAgainst && !found_->refused_since_m) {
+      found_->refused_since_m = travelled_m;
+    }
   }
   void give_up() { found_.reset(); }
 
@@ -40,16 +46,17 @@ class FoundStart {
   /// As long as nothing is localized from it. A wrong one no longer fits as the robot drives on; a
   /// right one may take its time.
   [[nodiscard]] bool is_wrong(double travelled_m) const {
-    return found_ && (travelled_m - found_->at_m > config_.max_way_m ||
-                      travelled_m - found_->fitted_at_m > config_.max_misfit_m);
+    if (!found_) return false;
+    const double refused_m = travelled_m - found_->refused_since_m.value_or(travelled_m);
+    return travelled_m - found_->at_m > config_.max_way_m || refused_m > config_.max_refused_way_m;
   }
-  /// In the window of the last search that has found it.
+  /// In the longest window in which a search has found it.
   [[nodiscard]] double searched_m() const { return found_ ? found_->searched_m : 0.0; }
 
  private:
   struct Found {
-    double at_m;  // travelled, as the next
-    double fitted_at_m;
+    double at_m;                            // travelled
+    std::optional<double> refused_since_m;  // travelled
     double searched_m;
   };
   Config config_;

@@ -67,7 +67,9 @@ void PlaceHypotheses::keep_likely(std::size_t max_places) {
   std::vector<Place> kept;
   for (Place& place : places_) {
     place.log_odds = (place.score - places_.front().score) / alignment_.rival_score();
-    const auto is_here = [&](const Place& other) { return is_same(place, other); };
+    const auto is_here = [&](const Place& other) {
+      return is_same_place(place.T_map_body, other.T_map_body, config_);
+    };
     const bool is_likely = place.log_odds < config_.min_log_odds;
     if (kept.size() == max_places) break;
     if (is_likely && std::ranges::none_of(kept, is_here)) kept.push_back(place);
@@ -75,9 +77,11 @@ void PlaceHypotheses::keep_likely(std::size_t max_places) {
   places_ = std::move(kept);
 }
 
-bool PlaceHypotheses::is_same(const Place& one, const Place& other) const {
-  const Vector6d beside = local_coordinates(one.T_map_body, other.T_map_body);
-  return beside.head<3>().norm() < config_.same_rad && beside.tail<3>().norm() < config_.same_m;
+bool is_same_place(const Pose& T_map_one,
+                   const Pose& T_map_other,
+                   const PlaceHypotheses::Config& config) {
+  const Vector6d beside = local_coordinates(T_map_one, T_map_other);
+  return beside.head<3>().norm() < config.same_rad && beside.tail<3>().norm() < config.same_m;
 }
 
 // The vertical is known, the place to a cell of the pyramid.

@@ -79,7 +79,6 @@ class PlaceHypotheses {
   void end_alignment();
   [[nodiscard]] Matrix6d prior_covariance(const Pose& T_map_body) const;
   [[nodiscard]] int blocked_rays(const Pose& T_map_odom) const;
-  [[nodiscard]] bool is_same(const Place& one, const Place& other) const;
 
   const RigidAlignment& alignment_;
   RigidAlignment::Gates gates_;
@@ -90,6 +89,11 @@ class PlaceHypotheses {
   std::optional<RigidAlignment::Run> running_;  // of the last one
   std::vector<Place> places_;
 };
+
+/// Of a body: so near to each other, and turned by so little, that they are one.
+bool is_same_place(const Pose& T_map_one,
+                   const Pose& T_map_other,
+                   const PlaceHypotheses::Config& config);
 
 PlaceHypotheses::Config read_place_hypotheses_config(ConfigReader section);
 

@@ -99,8 +99,9 @@ LocalizationResult SessionLocalizer::localize() {
   expected<Solution, Rejection> solution = accept(prediction, fit, looked);
 
   const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
-  acceptance_.conclude(solution ? std::nullopt : std::optional(solution.error()),
-                       dead_reckoning_.travelled_m(window.back()));
+  const double travelled_m = dead_reckoning_.travelled_m(window.back());
+  acceptance_.conclude(solution ? std::nullopt : std::optional(solution.error()), travelled_m);
+  if (!solution) found_start_.judge(evidence_of(solution.error()), travelled_m);
   if (!solution) return rejected(solution.error(), diagnostics);
   if (prediction.is_early) early_look_ = looked;
   store(solution->newest);
@@ -111,8 +112,11 @@ LocalizationResult SessionLocalizer::localize() {
 // turn, of which the first only looks at what has been seen.
 // @return whether there is another place now
 bool SessionLocalizer::search() {
-  const double travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id);
-  if (has_found_start() && found_start_.is_wrong(travelled_m)) give_up_found_start();
+  const KeyframeId newest = database_.newest().item.id;
+  if (has_found_start() && found_start_.is_wrong(dead_reckoning_.travelled_m(newest))) {
+    give_up_found_start();
+  }
+  const double travelled_m = dead_reckoning_.travelled_m(newest);
   const bool has_place = dead_reckoning_.has_anchor() && !acceptance_.is_lost();
   if (has_place && !has_found_start()) return false;
   if (!first_place_->is_running()) {
@@ -122,7 +126,7 @@ bool SessionLocalizer::search() {
   const auto T_map_odom = first_place_->advance();
   if (!T_map_odom) return false;
   if (has_place && is_held(*T_map_odom)) {
-    found_start_.find_again(search_way_m_);
+    found_start_.confirm(search_way_m_);
     return false;
   }
   start_at(*T_map_odom);
@@ -165,10 +169,9 @@ void SessionLocalizer::begin_search(double travelled_m) {
 // What a longer window finds again was not unique by chance.
 bool SessionLocalizer::is_held(const Pose& T_map_odom) const {
   const Pose& T_odom_body = database_.newest().item.T_odom_body;
-  const Pose T_held_found =
-      inverse(dead_reckoning_.T_map_odom() * T_odom_body) * (T_map_odom * T_odom_body);
-  const auto& same = config_.first_place.hypotheses;
-  return T_held_found.p.norm() < same.same_m && log_so3(T_held_found.R).norm() < same.same_rad;
+  return is_same_place(dead_reckoning_.T_map_odom() * T_odom_body,
+                       T_map_odom * T_odom_body,
+                       config_.first_place.hypotheses);
 }
 
 // As a new session there, of what has not had a place so far.
@@ -181,7 +184,7 @@ void SessionLocalizer::start_at(const Pose& T_map_odom) {
   begin_anew(MapOdomEstimate{.T_map_odom = T_map_odom,
                              .covariance = A * covariance * A.transpose(),
                              .p_odom = newest.T_odom_body.p});
-  found_start_.find(dead_reckoning_.travelled_m(newest.id), search_way_m_);
+  found_start_.begin(dead_reckoning_.travelled_m(newest.id), search_way_m_);
 }
 
 std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
@@ -310,7 +313,7 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
       if (std::ranges::any_of(visited, is_here)) break;
     }
     if (round == 0 && config_.shift_profile.is_used) {
-      shift_profile_ = shift_profile(fit.association.matches, config_.shift_profile.steps);
+      shift_profile_ = shift_profile(fit.association.matches, prediction);
     }
     gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
   }
@@ -327,9 +330,9 @@ MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
 
 // What the window, as it was optimized with these matches, tells of its place beside that.
 ShiftProfile SessionLocalizer::shift_profile(const std::vector<MapMatch>& matches,
-                                             int steps) const {
+                                             const Prediction& prediction) const {
   ShiftProfileConfig config = config_.shift_profile;
-  config.steps = steps;
+  if (prediction.is_found) config.steps = config_.found_start.shift_steps;
   return {seen_without_map(problem_.landmarks(), matches, config_.problem.map_kernel),
           *map_,
           config_.rounds.final_gate_m,
@@ -354,17 +357,16 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
     const Prediction& prediction, const MapFit& fit, const std::optional<Look>& looked) {
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
-  found_start_.fit(dead_reckoning_.travelled_m(database_.newest().item.id));
 
   WindowSystem system = problem_.system();
-  Matrix6d beside = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
+  Matrix6d other_places = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
   // What a start pose tells of the place, a search does not: it has to be seen in the map.
   if (prediction.is_found && !config_.shift_profile.is_used) {
-    const auto profile = shift_profile(fit.association.matches, config_.found_start.shift_steps);
-    beside += shift_covariance(profile.excess(), fit.T_map_body);
+    const ShiftProfile profile = shift_profile(fit.association.matches, prediction);
+    other_places += shift_covariance(profile.excess(), fit.T_map_body);
   }
-  const auto stated =
-      answer_covariance(problem_, system, fit.constraint, config_.degeneracy, prediction, beside);
+  const auto stated = answer_covariance(
+      problem_, system, fit.constraint, config_.degeneracy, prediction, other_places);
   const auto certain = acceptance_.check_certainty(stated, has_found_start());
   if (!certain) return unexpected(certain.error());
 

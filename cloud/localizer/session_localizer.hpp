@@ -38,8 +38,8 @@ namespace fleetloc {
 /// from it as the start pose leaves room.
 ///
 /// A session without a start pose begins with a search over the whole map (FirstPlace), one of
-/// which it is known roughly with a search around there. What it finds is a start pose like any
-/// other: it is given up if nothing is localized from it. A session whose place is no longer
+/// which it is known roughly with a search around there. What it finds is a guess (FoundStart): the
+/// search goes on until something is localized from it. A session whose place is no longer
 /// believed (PlaceDoubt) is lost: what was seen since its last localization is searched for, too,
 /// and begins anew from where it is found.
 ///
@@ -171,7 +171,8 @@ class SessionLocalizer {
   [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
   MapFit fit_to_map(const Prediction& prediction, const std::vector<KeyframeId>& window);
-  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches, int steps) const;
+  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches,
+                                           const Prediction& prediction) const;
   void keep_recent(std::vector<WindowLandmark>& landmarks,
                    const std::vector<KeyframeId>& window) const;
   expected<Solution, Rejection> accept(const Prediction& prediction,

@@ -83,7 +83,7 @@ bool read_pcd_line(const std::string& keyword, std::istream& words, PcdHeader& h
 }
 
 void lay_out(PcdHeader& header) {
-  constexpr std::size_t kMaxValues = 65'536;  // of a field; so that no sum overflows
+  constexpr std::size_t kMaxValues = 65'536;  // of a point
   for (PcdField& field : header.fields) {
     if (!std::has_single_bit(field.bytes) || field.bytes > 8 || field.count == 0 ||
         field.count > kMaxValues) {
@@ -93,6 +93,7 @@ void lay_out(PcdHeader& header) {
     field.word = header.point_words;
     header.point_bytes += field.bytes * field.count;
     header.point_words += field.count;
+    if (header.point_words > kMaxValues) throw PointCloudError("has too many values for a point");
   }
 }
 

@@ -5,6 +5,7 @@
 #   FLEETLOC_SECURITY   on (default), or off: without keys, nothing is encrypted
 #   FLEETLOC_QOS        a file of QoS profiles; wifi-secure.xml, or wifi.xml where security is off
 #   FLEETLOC_ROBOT_ID, FLEETLOC_NAME   whose keys are asked for
+#   FLEETLOC_BIN        where the programs are (/usr/bin)
 #
 # start copy-keys FOLDER   what a service does first, as root
 # Copies the keys in FOLDER, which is root's, to RUNTIME_DIRECTORY, for its owner: the service's user,
@@ -18,7 +19,7 @@ copy_keys() {  # FOLDER
   umask 077
   rm -rf "$copies"
   mkdir "$copies"
-  [ ! -d "$1" ] || find "$1" -maxdepth 1 -type f -exec cp -t "$copies" {} +
+  [ ! -d "$1" ] || find -L "$1" -maxdepth 1 -type f -exec cp -t "$copies" {} +
   chown -R --reference="$RUNTIME_DIRECTORY" "$copies"
 }
 
@@ -30,6 +31,10 @@ case $part in
   copy-keys)
     copy_keys "$folder"
     exit
+    ;;
+  *)
+    echo "usage: start robot|cloud|copy-keys FOLDER [OPTION...]" >&2
+    exit 2
     ;;
 esac
 
@@ -52,4 +57,4 @@ case ${FLEETLOC_SECURITY:-on} in
     ;;
   *) refuse "FLEETLOC_SECURITY: '$FLEETLOC_SECURITY' is neither on nor off" ;;
 esac
-exec "fleetloc-$part" --qos "${FLEETLOC_QOS:-/usr/share/fleetloc/$part/qos_profiles/$profile.xml}" "$@"
+exec "${FLEETLOC_BIN:-/usr/bin}/fleetloc-$part" --qos "${FLEETLOC_QOS:-/usr/share/fleetloc/$part/qos_profiles/$profile.xml}" "$@"

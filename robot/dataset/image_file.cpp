@@ -35,7 +35,7 @@ cv::Mat read_image(const std::filesystem::path& file) {
     throw DatasetError(file.string() + ": has more than 64 million pixels");
   }
   cv::Mat gray = pixels ? decoded(bytes) : cv::Mat();
-  if (gray.empty()) throw DatasetError(file.string() + ": is not an image, or damaged");
+  if (gray.empty()) throw DatasetError(file.string() + ": is neither a JPEG nor a PNG, or damaged");
   return gray;
 }
 

@@ -13,7 +13,7 @@ for part in robot cloud; do
   printf '#!/bin/sh\necho "%s runs: $*"\n' "$part" >"$scratch/bin/fleetloc-$part"
   chmod +x "$scratch/bin/fleetloc-$part"
 done
-PATH=$scratch/bin:$PATH
+export FLEETLOC_BIN="$scratch/bin"
 for file in key.pem certificate.pem; do echo "$file" >"$scratch/keys/$file"; done
 
 failures=0

@@ -1,7 +1,9 @@
 // A live robot that is told where it is as RViz does it, and that remembers it for its next start.
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <thread>
@@ -72,6 +74,16 @@ class ToldPose : public LiveFixture {
               << " m at worst\n";
   }
 
+  /// From the first image of what was played last to the first frame that is localized.
+  double localized_after_s(double start_s) const {
+    const auto frames = checked_frames(folder_of(kRobot), flight_);
+    const auto first = std::ranges::find(frames, "localized", &CheckedFrame::state);
+    if (first == frames.end()) return std::numeric_limits<double>::infinity();
+    const double after_s = to_seconds(first->stamp - first_frame(flight_.folder, start_s));
+    std::cout << "localized after " << after_s << " s\n";
+    return after_s;
+  }
+
   std::size_t points_of_the_map() {
     using Cloud = sensor_msgs::msg::dds_::PointCloud2_;
     const Ros2Topic topic{
@@ -119,6 +131,7 @@ TEST_F(ToldPose, StartsARobotAndItsNextRunInTheMapThatIsShown) {
   begin_robot();
   const std::string remembered = flown("10", "8");
   EXPECT_THAT(remembered, HasSubstr("starts from its last pose"));
+  EXPECT_LT(localized_after_s(10.0), 5.0) << "it was begun anew where it stood";
   expect_localized_at_the_end();
 }
 

@@ -70,6 +70,7 @@ bool add(const RtpsSubmessage& submessage, RepeatedDatagram& datagram, bool& is_
     if (part == &datagram.statement) part->push_back(submessage.flags);
     append(entities, *part);
     if (handshake) {  // each repetition has another number, and the next message supersedes it
+      append(handshake->receiver, *part);
       if (part == &datagram.statement) append(handshake->content, *part);
     } else if (is_data || part == &datagram.statement) {
       append(submessage.body.subspan(skipped + kEntitiesBytes, said), *part);
@@ -106,6 +107,7 @@ std::optional<RepeatedDatagram> RepeatedDatagram::read_encrypted(RtpsBytes datag
   constexpr std::size_t kLongestWithoutSample = 76;  // an acknowledgement with the largest set
   if (datagram.size() < kRtpsHeaderBytes) return std::nullopt;
   RepeatedDatagram read;
+  bool is_encrypted = false;
   bool has_sample = false;
   RtpsBytes unique;
   RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
@@ -121,11 +123,13 @@ std::optional<RepeatedDatagram> RepeatedDatagram::read_encrypted(RtpsBytes datag
           std::max(read.worth_repeating_after, is_of_keys ? kOfKeys : kEncrypted);
     }
     if (submessage->kind == RtpsKind::kSecBody) {
+      is_encrypted = true;
       has_sample |= submessage->body.size() > kLongestWithoutSample;
       read.subject.push_back(static_cast<std::uint8_t>(submessage->body.size()));
     }
   }
-  if (read.worth_repeating_after == milliseconds{}) return std::nullopt;
+  // What is signed only can be read.
+  if (read.worth_repeating_after == milliseconds{} || !is_encrypted) return std::nullopt;
   if (has_sample) append(unique, read.subject);
   read.statement = read.subject;
   read.is_secure = true;

@@ -74,13 +74,13 @@ TEST(StartConfirmation, NeedsALongWindowWhereTheStartPoseLeavesRoomForOtherPlace
 // As a place 240 m off that was the only one after 8 m, and fitted until the robot had driven 15 m.
 TEST(StartConfirmation, NeedsAPlaceThatIsFoundAgainFromALongerWindow) {
   const StartConfirmation start = session();
-  const auto is_distinct_with = [&start](double sigma_m, double searched_m) {
-    return start.is_distinct({placed_at(7.0, 0.0), diagonal_covariance(0.09, sigma_m)},
-                             {.to_oldest_m = 0.0, .to_newest_m = 16.0, .searched_m = searched_m});
+  const auto is_found_well = [&start](double sigma_m, double searched_m) {
+    return start.is_found_well({placed_at(7.0, 0.0), diagonal_covariance(0.09, sigma_m)},
+                               {.to_oldest_m = 0.0, .to_newest_m = 16.0, .searched_m = searched_m});
   };
-  EXPECT_FALSE(is_distinct_with(1.2, 9.0));
-  EXPECT_TRUE(is_distinct_with(1.2, 10.0));
-  EXPECT_TRUE(is_distinct_with(0.6, 2.0)) << "in a room";
+  EXPECT_FALSE(is_found_well(1.2, 9.0));
+  EXPECT_TRUE(is_found_well(1.2, 10.0));
+  EXPECT_TRUE(is_found_well(0.6, 2.0)) << "in a room";
 }
 
 // A robot that comes from another localizer has to drive nowhere first.
