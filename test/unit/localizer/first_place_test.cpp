@@ -113,6 +113,26 @@ TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
   EXPECT_GE(found, 3);
 }
 
+// As if the map were larger than a room: a place that is the only one after some metres may be so by
+// chance.
+TEST(FirstPlace, IsLocalizedOnlyOnceALongWindowHasFoundIt) {
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
+  const SimulatedSession robot({.seed = 1});
+  const auto first_with = [&](double searched_path_m) {
+    SessionLocalizer::Config config = localizer_config();
+    config.confirmation.known_start_m = 0.1;
+    config.confirmation.path_m = 3.0;
+    config.confirmation.searched_path_m = searched_path_m;
+    SessionLocalizer localizer(without_start(robot), room_map(), config, pyramid);
+    return first_localized(localizer, robot, 40);
+  };
+  const auto from_short = first_with(1.5);
+  const auto from_long = first_with(7.0);
+  ASSERT_TRUE(from_short && from_long);
+  EXPECT_GT(*from_long, *from_short);
+  EXPECT_FALSE(first_with(1000.0));
+}
+
 TEST(FirstPlace, IsLookedForOnlyOnTheWay) {
   const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   const SimulatedSession robot({.seed = 1});
