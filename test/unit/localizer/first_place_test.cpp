@@ -113,8 +113,8 @@ TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
   EXPECT_GE(found, 3);
 }
 
-// As if the map were larger than a room: a place that is the only one after some metres may be so by
-// chance.
+// As if the map were larger than a room: a place that is the only one after some metres may be so
+// by chance.
 TEST(FirstPlace, IsLocalizedOnlyOnceALongWindowHasFoundIt) {
   const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   const SimulatedSession robot({.seed = 1});
