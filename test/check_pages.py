@@ -292,6 +292,7 @@ def check_phrases(root):
     for room in ROOMS[:-1]:
         for file in sorted((root / room).rglob("*.[ch]pp")):
             sources += file.read_text()
+    sources += (root / "deploy" / "packages" / "start.sh").read_text()
     sources = re.sub(r"//.*", "", sources)
     sources = re.sub(r'"\s*"', "", sources)  # one literal over several lines
     said = "\n".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', sources))

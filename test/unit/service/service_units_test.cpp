@@ -11,11 +11,15 @@ namespace {
 
 const std::string kDeploy = FLEETLOC_SOURCE_DIR "/deploy/";
 
-/// Settings of a unit of systemd; of several of one name the last.
+/// Settings of a unit of systemd or of its environment; of several of one name the last.
 std::map<std::string, std::string> settings_of(const std::string& unit) {
   std::ifstream file(kDeploy + "packages/" + unit);
   std::map<std::string, std::string> settings;
   for (std::string line; std::getline(file, line);) {
+    for (std::string next; line.ends_with('\\') && std::getline(file, next);) {
+      line.pop_back();
+      line += next;
+    }
     const auto equals = line.find('=');
     if (line.starts_with('#') || equals == std::string::npos) continue;
     settings[line.substr(0, equals)] = line.substr(equals + 1);
@@ -44,6 +48,23 @@ TEST(ServiceUnits, AreWatchedRestartedIfTheyFailAndNotIfTheyCannotStart) {
     EXPECT_EQ(settings["RestartPreventExitStatus"], "2");
     EXPECT_EQ(settings["DynamicUser"], "yes");
     EXPECT_EQ(settings["ProtectSystem"], "strict");
+    EXPECT_EQ(settings["SystemCallErrorNumber"], "EPERM") << "the default kills";
+  }
+}
+
+TEST(ServiceUnits, HaveCopiesOfKeysThatOnlyRootCanRead) {
+  for (const std::string part : {"cloud", "robot"}) {
+    SCOPED_TRACE(part);
+    const std::string keys = "/etc/fleetloc/" + part + "-keys";
+    auto settings = settings_of("fleetloc-" + part + ".service");
+    const std::string start = "/usr/share/fleetloc/" + part + "/start ";
+    EXPECT_EQ(settings["ExecStartPre"], "+" + start + "copy-keys " + keys) << "by root";
+    EXPECT_EQ(settings["RuntimeDirectory"], "fleetloc-" + part);
+    EXPECT_EQ(settings["RuntimeDirectoryMode"], "0700");
+    EXPECT_TRUE(settings["ExecStart"].starts_with(start + part + " " + keys + " "))
+        << settings["ExecStart"];
+    EXPECT_EQ(settings["ExecStart"].find("--qos"), std::string::npos);
+    EXPECT_EQ(settings_of(part + ".env")["FLEETLOC_SECURITY"], "on");
   }
 }
 
