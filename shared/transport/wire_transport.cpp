@@ -21,6 +21,7 @@
 #include "shared/transport/workarounds/announcement_repetition.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/gap_budget.hpp"
+#include "shared/transport/workarounds/handshake_message.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
 #include "shared/transport/workarounds/repetition_copies.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
@@ -236,6 +237,7 @@ bool WireTransport::send(rtps::SenderResource* socket,
   }
   own_.sent(datagram);
   if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
+  if (is_handshake_for_another(datagram)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
   announcement_.sent(socket, datagram, destinations);
   return send_as_often_as_needed(socket, datagram, destinations, timeout);

@@ -126,8 +126,8 @@ inline Bytes announcement(const std::vector<std::pair<std::uint16_t, std::uint16
 }
 
 /// Of DDS Security. Kinds 1 and 3 sign, 2 and 4 encrypt.
-inline Bytes secure_prefix(std::uint8_t kind, std::uint8_t id = 0x31) {
-  return submessage(id, 1, ByteWriter().bytes({0, 0, 0, kind}).zeros(16).written());
+inline Bytes secure_prefix(std::uint8_t kind, std::uint8_t id = 0x31, std::uint32_t key = 0) {
+  return submessage(id, 1, ByteWriter().bytes({0, 0, 0, kind}).entity(key).zeros(12).written());
 }
 /// @param says  how many bytes are encrypted
 inline Bytes secure_body(std::uint32_t says, std::size_t has) {
@@ -138,11 +138,15 @@ inline Bytes secure_postfix(std::uint32_t receivers, std::size_t has, std::uint8
 }
 /// One of two participants that authenticate each other.
 /// @param properties  that it says it has, of one
-inline Bytes handshake(std::uint32_t properties = 1) {
+/// @param receiver    whom it is for
+/// @param number      of the sample, another one in each repetition
+inline Bytes handshake(std::uint32_t properties = 1,
+                       const GuidPrefix& receiver = {},
+                       std::uint64_t number = 1) {
   const auto text = [](ByteWriter& to) { to.u32(2).bytes({'a', 0, 0, 0}); };
   ByteWriter body;
-  body.u16(0).u16(16).entity(0x0201c4).entity(0x0201c3).sequence_number(1).bytes({0, 1, 0, 0});
-  body.zeros(96);
+  body.u16(0).u16(16).entity(0x0201c4).entity(kHandshakeWriter).sequence_number(number);
+  body.bytes({0, 1, 0, 0}).zeros(48).bytes({receiver.begin(), receiver.end()}).zeros(36);
   text(body);
   body.u32(1);
   text(body);
@@ -173,6 +177,15 @@ inline std::vector<std::pair<std::string, Bytes>> valid_submessages() {
           {"statistics", submessage(0x80, 1, Bytes(56))},
           {"announcement", announcement({{0x0015, 4}, {0x0016, 4}, {0x0050, 16}})},
           {"handshake", handshake()}};
+}
+
+/// A datagram that is encrypted, with one submessage to one participant.
+/// @param bytes  of what is encrypted: 28 for an acknowledgement without a set
+inline Bytes encrypted_message(std::uint32_t key, std::uint32_t bytes, std::uint8_t to = 7) {
+  return message_of({submessage(0x0e, 1, Bytes(12, to)),
+                     secure_prefix(4, 0x31, key),
+                     secure_body(bytes, bytes),
+                     secure_postfix(0, 0)});
 }
 
 /// What goes through a network whose participants encrypt.
