@@ -57,6 +57,23 @@ TEST_F(InitialAckPacingTest, CountsEachParticipantForItself) {
   EXPECT_TRUE(pacing_.passes(acknowledgement(0, 8), now_));
 }
 
+TEST_F(InitialAckPacingTest, SpacesOutEncryptedOnesOfEachKey) {
+  EXPECT_EQ(passed(encrypted_message(5, 28), seconds(6)), 5);
+  EXPECT_TRUE(pacing_.passes(encrypted_message(6, 28), now_));
+  EXPECT_TRUE(pacing_.passes(encrypted_message(5, 28, 8), now_));
+  EXPECT_FALSE(pacing_.passes(encrypted_message(5, 28), now_));
+}
+
+TEST_F(InitialAckPacingTest, LetsThroughEncryptedAnswersToHeartbeats) {
+  passed(encrypted_message(5, 28), seconds(6));
+  for (int i = 0; i < 20; ++i) {
+    now_ += milliseconds(400);
+    EXPECT_TRUE(pacing_.passes(encrypted_message(5, 28), now_));
+    EXPECT_TRUE(pacing_.passes(encrypted_message(5, 32), now_));
+    EXPECT_TRUE(pacing_.passes(encrypted_message(5, 32), now_));
+  }
+}
+
 TEST_F(InitialAckPacingTest, LeavesAllOtherDatagramsAlone) {
   for (int i = 0; i < 20; ++i) {
     EXPECT_TRUE(pacing_.passes(acknowledgement(1), now_));
