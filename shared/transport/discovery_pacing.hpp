@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/emulated_link.hpp"
@@ -23,18 +24,19 @@ class DiscoveryPacing {
   DiscoveryPacing(ChannelRole role, double bytes_per_s) : role_(role), bytes_per_s_(bytes_per_s) {}
 
   [[nodiscard]] bool is_limited() const { return bytes_per_s_ > 0.0; }
-  /// Whether the datagram has to wait for its turn.
-  [[nodiscard]] bool limits(RtpsBytes datagram) const {
-    if (!is_limited()) return false;
-    const auto repeated = RepeatedDatagram::read(datagram);
-    return repeated && repeated->is_discovery;
-  }
+  /// What has to wait for its turn, and how it compares with others.
+  /// @param to  any of its destinations
+  [[nodiscard]] std::optional<RepeatedDatagram> limited(RtpsBytes datagram,
+                                                        const Locator& to) const;
 
   /// Calls `send` when it is this datagram's turn, at once or on the thread of `line`; never if it
-  /// has just been said, or if a newer one about the same comes before. Expects limits(datagram),
-  /// and that `line` ends before this object.
-  /// @param socket  only tells those of one socket from those of another
-  void send_later(RtpsBytes datagram,
+  /// has just been said, or if a newer one about the same comes before. Expects that `line` ends
+  /// before this object.
+  /// @param datagram  that is limited
+  /// @param bytes     of it
+  /// @param socket    only tells those of one socket from those of another
+  void send_later(RepeatedDatagram datagram,
+                  std::size_t bytes,
                   const void* socket,
                   const Locator& to,
                   const std::function<void()>& send,

@@ -38,6 +38,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPatience{100};      // with a socket, for what is sent later
 constexpr std::chrono::milliseconds kBetweenCopies{25};  // so that one burst does not take them all
+constexpr std::size_t kShortHandshakeBytes = 2000;       // without certificate and permissions
 
 bool transmit(rtps::SenderResource& socket,
               RtpsBytes datagram,
@@ -139,6 +140,8 @@ class WireTransport final : public fdr::ChainingTransport {
   std::function<void()> passed_on(rtps::SenderResource* socket,
                                   RtpsBytes datagram,
                                   const rtps::Locator_t& to);
+  /// The same again a little later.
+  std::function<void()> twice(std::function<void()> send);
   /// More of what the library repeats.
   void repeat_where_it_is_lost(rtps::SenderResource* socket,
                                RtpsBytes datagram,
@@ -248,14 +251,17 @@ bool WireTransport::send_as_often_as_needed(rtps::SenderResource* socket,
                                             RtpsBytes datagram,
                                             const fdr::LocatorList& destinations,
                                             Clock::time_point timeout) {
-  if (!discovery_.limits(datagram)) {
+  if (destinations.empty()) return true;
+  const auto limited = discovery_.limited(datagram, locator_of(*destinations.begin()));
+  if (!limited) {
     repeat_where_it_is_lost(socket, datagram, destinations, Clock::now());
     return pass_on(socket, datagram, destinations, timeout);
   }
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
-    const auto send = passed_on(socket, datagram, to);
-    discovery_.send_later(datagram, socket, locator_of(to), send, delay_line_);
+    auto send = passed_on(socket, datagram, to);
+    if (limited->is_handshake && datagram.size() < kShortHandshakeBytes) send = twice(send);
+    discovery_.send_later(*limited, datagram.size(), socket, locator_of(to), send, delay_line_);
   }
   return true;
 }
@@ -270,6 +276,15 @@ std::function<void()> WireTransport::passed_on(rtps::SenderResource* socket,
   };
 }
 
+// The last message of an authentication, which its sender repeats only if it hears the one before
+// again, and that is four times as long.
+std::function<void()> WireTransport::twice(std::function<void()> send) {
+  return [this, send = std::move(send)] {
+    send();
+    delay_line_.at(Clock::now() + kBetweenCopies, send);
+  };
+}
+
 void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
                                             RtpsBytes datagram,
                                             const fdr::LocatorList& destinations,
@@ -278,7 +293,7 @@ void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
   if (!strangers_.is_known()) return;           // nobody would understand it
   if (participant_sample_in(datagram)) return;  // as often as the profile says
   const auto repeated = RepeatedDatagram::read(datagram);
-  if (!repeated) return;
+  if (!repeated || repeated->is_handshake) return;  // copies of those were no gain
   for (const rtps::Locator_t& to : destinations) {
     if (!sends(socket, to)) continue;
     RepeatedDatagram addressed = *repeated;

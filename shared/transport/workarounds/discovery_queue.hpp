@@ -23,7 +23,8 @@ namespace fleetloc {
 
 /// Datagrams of discovery that wait, so that there are at most so many bytes of them a second. Of
 /// those about the same only the newest waits, in the place of the first; what has just been said
-/// is left out.
+/// is left out. What is of DDS Security goes before the rest: it concerns those who are known
+/// already.
 ///
 /// No clock, no I/O. Any thread may use any function.
 class DiscoveryQueue {
@@ -60,6 +61,7 @@ class DiscoveryQueue {
     std::function<void()> send;
   };
 
+  std::deque<Waiting>::iterator behind_secure();
   void sent(const RepeatedDatagram& datagram, std::size_t bytes, Time now);
 
   const double bytes_per_s_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shared/transport/workarounds/handshake_message.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -13,6 +15,12 @@ constexpr std::uint32_t kBuiltIn = 0xC0;  // in the kind of an entity (RTPS 2.2,
 constexpr milliseconds kOfParticipant{2000};
 constexpr milliseconds kOfEndpoint{1000};
 constexpr milliseconds kOther{500};
+// Encrypted, the repetitions of samples cannot be told from new ones: it is their requests that
+// must not be repeated before they can be answered. With the first key, 0, both ends of the
+// exchange of keys encrypt, so that one's heartbeats and the other's requests leave each other half
+// the time.
+constexpr milliseconds kEncrypted{2000};
+constexpr milliseconds kOfKeys{1000};
 
 void append(RtpsBytes bytes, std::vector<std::uint8_t>& to) {
   to.insert(to.end(), bytes.begin(), bytes.end());
@@ -54,11 +62,16 @@ bool add(const RtpsSubmessage& submessage, RepeatedDatagram& datagram, bool& is_
   const std::uint32_t writer = fields.entity();
   datagram.is_discovery &= (writer & kBuiltIn) == kBuiltIn;
   const bool is_data = submessage.kind == RtpsKind::kData;
+  const auto handshake = HandshakeMessage::read(submessage);
+  datagram.is_handshake |= handshake.has_value();
+  datagram.is_secure |= handshake.has_value();
   for (auto* part : {&datagram.subject, &datagram.statement}) {
     part->push_back(static_cast<std::uint8_t>(submessage.kind));
     if (part == &datagram.statement) part->push_back(submessage.flags);
     append(entities, *part);
-    if (is_data || part == &datagram.statement) {
+    if (handshake) {  // each repetition has another number, and the next message supersedes it
+      if (part == &datagram.statement) append(handshake->content, *part);
+    } else if (is_data || part == &datagram.statement) {
       append(submessage.body.subspan(skipped + kEntitiesBytes, said), *part);
     }
   }
@@ -83,6 +96,39 @@ std::optional<RepeatedDatagram> RepeatedDatagram::read(RtpsBytes datagram) {
   }
   if (read.worth_repeating_after == milliseconds{}) return std::nullopt;
   if (!read.is_discovery && !is_reliable) return std::nullopt;
+  return read;
+}
+
+std::optional<RepeatedDatagram> RepeatedDatagram::read_encrypted(RtpsBytes datagram) {
+  constexpr std::size_t kKeyAt = 4;  // behind the kind; then 12 bytes that are never the same
+  constexpr std::size_t kKeyBytes = 4;
+  constexpr std::size_t kPrefixBytes = 20;
+  constexpr std::size_t kLongestWithoutSample = 76;  // an acknowledgement with the largest set
+  if (datagram.size() < kRtpsHeaderBytes) return std::nullopt;
+  RepeatedDatagram read;
+  bool has_sample = false;
+  RtpsBytes unique;
+  RtpsBytes rest = datagram.subspan(kRtpsHeaderBytes);
+  while (const auto submessage = take_submessage(rest)) {
+    if (submessage->kind == RtpsKind::kInfoDestination) append(submessage->body, read.subject);
+    if (submessage->kind == RtpsKind::kSecPrefix) {
+      if (submessage->body.size() != kPrefixBytes) return std::nullopt;
+      const RtpsBytes key = submessage->body.subspan(kKeyAt, kKeyBytes);
+      append(key, read.subject);
+      unique = submessage->body.subspan(kKeyAt + kKeyBytes);
+      const bool is_of_keys = std::ranges::count(key, 0) == kKeyBytes;
+      read.worth_repeating_after =
+          std::max(read.worth_repeating_after, is_of_keys ? kOfKeys : kEncrypted);
+    }
+    if (submessage->kind == RtpsKind::kSecBody) {
+      has_sample |= submessage->body.size() > kLongestWithoutSample;
+      read.subject.push_back(static_cast<std::uint8_t>(submessage->body.size()));
+    }
+  }
+  if (read.worth_repeating_after == milliseconds{}) return std::nullopt;
+  if (has_sample) append(unique, read.subject);
+  read.statement = read.subject;
+  read.is_secure = true;
   return read;
 }
 

@@ -25,9 +25,19 @@ struct RepeatedDatagram {
   std::chrono::milliseconds worth_repeating_after{};
   /// Of built-in endpoints alone.
   bool is_discovery = true;
+  /// Of an authentication: as long as dozens of others, and answered by one as long.
+  bool is_handshake = false;
+  /// Of DDS Security: only for who has announced himself already.
+  bool is_secure = false;
 
-  /// Nothing for all others: samples of best effort.
+  /// Nothing for all others: samples of best effort, and what is encrypted.
   static std::optional<RepeatedDatagram> read(RtpsBytes datagram);
+  /// Of one that is encrypted only lengths and keys can be seen. One with a sample is about nothing
+  /// else; those without, heartbeats and acknowledgements, are about the same if their key is, and
+  /// all say the same.
+  /// @param datagram  of built-in endpoints
+  /// @return nothing if it is not encrypted
+  static std::optional<RepeatedDatagram> read_encrypted(RtpsBytes datagram);
 
   /// Where to: what goes elsewhere is about something else.
   /// @param socket  only tells those of one socket from those of another

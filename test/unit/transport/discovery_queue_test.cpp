@@ -52,6 +52,39 @@ TEST(RepeatedDatagram, SaysSomethingElseIfThatIsNew) {
   EXPECT_NE(statement(message_of({ack_nack(1)})), statement(message_of({ack_nack(40)})));
 }
 
+TEST(RepeatedDatagram, OfAHandshakeIsTheSameWithAnotherNumber) {
+  const auto first = *RepeatedDatagram::read(message_of({handshake(1, {1}, 1)}));
+  const auto again = *RepeatedDatagram::read(message_of({handshake(1, {1}, 2)}));
+  const auto next = *RepeatedDatagram::read(message_of({handshake(2, {1}, 3)}));
+  EXPECT_TRUE(first.is_handshake && first.is_secure && first.is_discovery);
+  EXPECT_EQ(first.statement, again.statement);
+  EXPECT_EQ(first.subject, next.subject);
+  EXPECT_NE(first.statement, next.statement);
+}
+
+TEST(RepeatedDatagram, IsAboutAKeyIfItIsEncryptedAndHasNoSample) {
+  const auto read = [](std::uint32_t key, std::uint32_t bytes, std::uint8_t to = 7) {
+    return *RepeatedDatagram::read_encrypted(encrypted_message(key, bytes, to));
+  };
+  EXPECT_TRUE(read(5, 32).is_secure && read(5, 32).is_discovery);
+  EXPECT_EQ(read(5, 32).statement, read(5, 32).statement);
+  EXPECT_NE(read(5, 32).subject, read(6, 32).subject);
+  EXPECT_NE(read(5, 32).subject, read(5, 32, 8).subject);
+  EXPECT_NE(read(5, 32).subject, read(5, 28).subject) << "with a set and without";
+  EXPECT_LT(read(0, 32).worth_repeating_after, read(5, 32).worth_repeating_after);
+}
+
+TEST(RepeatedDatagram, IsAboutItselfOnlyIfItIsEncryptedAndHasASample) {
+  const Bytes one = encrypted_message(5, 300);
+  Bytes other = one;
+  other[kRtpsHeaderBytes + 16 + 4 + 8] ^= 1U;  // of the initialization vector
+  EXPECT_NE(RepeatedDatagram::read_encrypted(one)->subject,
+            RepeatedDatagram::read_encrypted(other)->subject);
+  EXPECT_FALSE(RepeatedDatagram::read_encrypted(message_of({heartbeat(1, 4)})));
+  EXPECT_FALSE(RepeatedDatagram::read_encrypted(Bytes(kRtpsHeaderBytes)));
+  EXPECT_FALSE(RepeatedDatagram::read_encrypted({}));
+}
+
 /// A queue of 1000 bytes a second, and what leaves it when.
 class DiscoveryQueueTest : public testing::Test {
  protected:
@@ -117,6 +150,30 @@ TEST_F(DiscoveryQueueTest, KnowsWhatItHasJustSaid) {
   EXPECT_TRUE(queue_.has_just_said(about("x"), now_ + milliseconds(499)));
   EXPECT_FALSE(queue_.has_just_said(about("y"), now_ + milliseconds(499)));
   EXPECT_FALSE(queue_.has_just_said(about("x"), now_ + milliseconds(500)));
+}
+
+TEST_F(DiscoveryQueueTest, SendsAHandshakeAgainWhenItsAnswerIsOverdue) {
+  RepeatedDatagram handshake = about("request");
+  handshake.is_handshake = true;
+  EXPECT_TRUE(queue_.passes(handshake, 4000, now_));
+  EXPECT_TRUE(queue_.has_just_said(handshake, now_ + milliseconds(6999)));
+  EXPECT_FALSE(queue_.has_just_said(handshake, now_ + milliseconds(7000)))
+      << "3 s after the 4 s that it takes";
+}
+
+TEST_F(DiscoveryQueueTest, PutsWhatIsSecureBeforeTheRest) {
+  put("large", "large", 1000);
+  put("a", "a");
+  put("b", "b");
+  for (const std::string text : {"secure 1", "secure 2"}) {
+    RepeatedDatagram datagram = about(text);
+    datagram.is_secure = true;
+    queue_.put(
+        datagram, 100, [this, text] { sent_.push_back(text); }, now_);
+  }
+  put("c", "c");
+  run_for(milliseconds(5000));
+  EXPECT_THAT(sent_, ElementsAre("secure 1", "secure 2", "large", "a", "b", "c"));
 }
 
 TEST_F(DiscoveryQueueTest, DropsWhatIsFarTooMuch) {
