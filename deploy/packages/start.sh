@@ -1,5 +1,5 @@
 #!/bin/sh
-# start robot|cloud FOLDER [OPTION...]   what the services start
+# start robot|cloud FOLDER [OPTION...]   what the services and the images start
 # Runs fleetloc-robot or fleetloc-cloud with the keys in FOLDER, and without them only where it is told
 # so. The environment says:
 #   FLEETLOC_SECURITY   on (default), or off: without keys, nothing is encrypted

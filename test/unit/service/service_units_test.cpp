@@ -1,7 +1,10 @@
 #include <fstream>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
@@ -29,6 +32,11 @@ std::map<std::string, std::string> settings_of(const std::string& unit) {
 
 double draining_s() {
   return YAML::LoadFile(kDeploy + "config/cloud.yaml")["pool"]["draining"]["max_s"].as<double>();
+}
+
+/// Where a value of the compose file is left to the environment (`${NAME:-value}`): that value.
+std::string by_default(const std::string& value) {
+  return std::regex_replace(value, std::regex(R"(\$\{\w+:-([^}]*)\})"), "$1");
 }
 
 /// Value of a key of a service of the compose file, or of what it takes over by `<<`.
@@ -93,6 +101,38 @@ TEST(ComposeFile, GivesNoContainerRightsOrANetworkBeyondTheFleets) {
     EXPECT_FALSE(setting_of(service.second, "ports"));
     EXPECT_FALSE(setting_of(service.second, "privileged"));
   }
+}
+
+TEST(ComposeFile, GivesWhoeverSpeaksDdsASecureProfileAndItsOwnKeysOnly) {
+  const YAML::Node compose = YAML::LoadFile(kDeploy + "docker/compose.yml");
+  std::set<std::string> members;
+  for (const auto& entry : compose["services"]) {
+    const auto name = entry.first.as<std::string>();
+    SCOPED_TRACE(name);
+    std::vector<std::string> mounts;
+    for (const auto& volume : setting_of(entry.second, "volumes")) {
+      const auto text = volume.as<std::string>();
+      if (text.find("FLEETLOC_KEYS") != std::string::npos) mounts.push_back(text);
+    }
+    const bool is_localizer = name.starts_with("localizer_");
+    if (!is_localizer && !name.starts_with("robot_")) {
+      EXPECT_TRUE(mounts.empty());
+      continue;
+    }
+    const YAML::Node environment = setting_of(entry.second, "environment");
+    const auto variable = [&](const char* key) {
+      return by_default(setting_of(environment, key).as<std::string>());
+    };
+    EXPECT_EQ(variable("FLEETLOC_SECURITY"), "on");
+    EXPECT_TRUE(variable("FLEETLOC_QOS").ends_with("/nbiot-secure-peers.xml"))
+        << variable("FLEETLOC_QOS");
+    const std::string folder = is_localizer ? "localizers/" + variable("FLEETLOC_NAME")
+                                            : "robots/" + variable("FLEETLOC_ROBOT_ID");
+    ASSERT_EQ(mounts.size(), 1U);
+    EXPECT_TRUE(mounts[0].ends_with("}/" + folder + ":/keys:ro")) << mounts[0];
+    members.insert(folder);
+  }
+  EXPECT_EQ(members.size(), 4U);
 }
 
 }  // namespace
