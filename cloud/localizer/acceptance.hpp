@@ -19,7 +19,7 @@ namespace fleetloc {
 struct TravelledPath {
   double to_oldest_m = 0.0;  ///< until the oldest keyframe of the window
   double to_newest_m = 0.0;  ///< until the newest
-  /// In the window of the last search that has found this place; without limit if it was told.
+  /// In the longest window in which a search has found this place; without limit if it was told.
   double searched_m = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] double window_m() const { return to_newest_m - to_oldest_m; }
