@@ -67,14 +67,14 @@ CellGrid values_of(const LaserMap& map,
 
 void MapPyramid::add_columns() {
   const Eigen::Vector3i size = max() - min();
-  Window empty{.x = min().x(),
-               .y = min().y(),
-               .width = static_cast<std::uint32_t>(size.x()),
-               .depth = static_cast<std::uint32_t>(size.y()),
-               .values = {}};
+  Windows empty{.x = min().x(),
+                .y = min().y(),
+                .width = static_cast<std::uint32_t>(size.x()),
+                .depth = static_cast<std::uint32_t>(size.y()),
+                .values = {}};
   empty.values.assign(static_cast<std::size_t>(empty.width) * empty.depth, 0);
   const int slabs = (size.z() + kSlab - 1) / kSlab;
-  std::vector<Window>& columns =
+  std::vector<Windows>& columns =
       windows_.emplace_back(static_cast<std::size_t>(slabs + 1), empty);  // and one of any height
   values_.for_each([&](const Eigen::Vector3i& cell, std::uint8_t value) {
     const auto x = static_cast<std::size_t>(cell.x() - empty.x);
@@ -89,23 +89,23 @@ void MapPyramid::add_columns() {
 }
 
 // Four windows of `level`, which is the last one, make one of twice the edge.
-MapPyramid::Window MapPyramid::doubled(int level, int slab) const {
-  const Window& half = windows_[static_cast<std::size_t>(level)][static_cast<std::size_t>(slab)];
+MapPyramid::Windows MapPyramid::doubled(int level, int slab) const {
+  const Windows& half = windows(level, slab);
   const int step = 1 << level;
-  Window result{.x = half.x - step,
-                .y = half.y - step,
-                .width = half.width + static_cast<std::uint32_t>(step),
-                .depth = half.depth + static_cast<std::uint32_t>(step),
-                .values = {}};
+  Windows result{.x = half.x - step,
+                 .y = half.y - step,
+                 .width = half.width + static_cast<std::uint32_t>(step),
+                 .depth = half.depth + static_cast<std::uint32_t>(step),
+                 .values = {}};
   result.values.reserve(static_cast<std::size_t>(result.width) * result.depth);
   for (int iy = 0; iy < static_cast<int>(result.depth); ++iy) {
     for (int ix = 0; ix < static_cast<int>(result.width); ++ix) {
       const int x = result.x + ix;
       const int y = result.y + iy;
-      result.values.push_back(std::max({largest(level, slab, x, y),
-                                        largest(level, slab, x + step, y),
-                                        largest(level, slab, x, y + step),
-                                        largest(level, slab, x + step, y + step)}));
+      result.values.push_back(std::max({half.largest(x, y),
+                                        half.largest(x + step, y),
+                                        half.largest(x, y + step),
+                                        half.largest(x + step, y + step)}));
     }
   }
   return result;
@@ -127,7 +127,7 @@ void MapPyramid::make_windows(int levels) {
   windows_.reserve(static_cast<std::size_t>(levels));
   add_columns();
   for (int level = 1; level < levels; ++level) {
-    std::vector<Window> next;
+    std::vector<Windows> next;
     for (int slab = 0; slab <= any_height(); ++slab) next.push_back(doubled(level - 1, slab));
     windows_.push_back(std::move(next));
   }
@@ -136,7 +136,7 @@ void MapPyramid::make_windows(int levels) {
 std::size_t MapPyramid::bytes() const {
   std::size_t sum = ground_.bytes() + values_.bytes();
   for (const auto& slabs : windows_) {
-    for (const Window& window : slabs) sum += window.values.size();
+    for (const Windows& windows : slabs) sum += windows.values.size();
   }
   return sum;
 }

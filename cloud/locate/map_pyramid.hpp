@@ -53,37 +53,57 @@ class MapPyramid {
   /// The slab that has all heights.
   [[nodiscard]] int any_height() const { return static_cast<int>(windows_.front().size()) - 1; }
 
-  /// The largest value in the columns [x, x + 2^level) x [y, y + 2^level), in a slab.
-  [[nodiscard]] std::uint8_t largest(int level, int slab, int x, int y) const {
-    const Window& window =
-        windows_[static_cast<std::size_t>(level)][static_cast<std::size_t>(slab)];
-    const auto ix = static_cast<std::uint32_t>(x - window.x);
-    const auto iy = static_cast<std::uint32_t>(y - window.y);
-    if (ix >= window.width || iy >= window.depth) return 0;
-    return window.values[static_cast<std::size_t>(iy) * window.width + ix];
+  /// Of windows of one size in a slab, one at each column.
+  struct Windows {
+    int x = 0;  ///< the first column
+    int y = 0;
+    std::uint32_t width = 0;  ///< [columns]
+    std::uint32_t depth = 0;
+    std::vector<std::uint8_t> values;  ///< x fastest
+
+    /// The largest value in the window that begins at a column.
+    [[nodiscard]] std::uint8_t largest(int x_column, int y_column) const {
+      const auto ix = static_cast<std::uint32_t>(x_column - x);
+      const auto iy = static_cast<std::uint32_t>(y_column - y);
+      if (ix >= width || iy >= depth) return 0;
+      return values[static_cast<std::size_t>(iy) * width + ix];
+    }
+
+    /// The largest value in the four windows that begin there and up to so many columns further on.
+    [[nodiscard]] std::uint8_t largest(int x_column, int y_column, int dx, int dy) const {
+      const auto ix = static_cast<std::uint32_t>(x_column - x);
+      const auto iy = static_cast<std::uint32_t>(y_column - y);
+      const auto wide = static_cast<std::uint32_t>(dx);
+      const auto deep = static_cast<std::uint32_t>(dy);
+      if (ix < width && width - ix > wide && iy < depth && depth - iy > deep) {
+        const std::uint8_t* near = &values[static_cast<std::size_t>(iy) * width + ix];
+        const std::uint8_t* far = near + static_cast<std::size_t>(deep) * width;
+        return std::max(std::max(near[0], near[wide]), std::max(far[0], far[wide]));
+      }
+      return std::max(
+          std::max(largest(x_column, y_column), largest(x_column + dx, y_column)),
+          std::max(largest(x_column, y_column + dy), largest(x_column + dx, y_column + dy)));
+    }
+  };
+
+  /// Those of the columns [x, x + 2^level) x [y, y + 2^level), in a slab.
+  [[nodiscard]] const Windows& windows(int level, int slab) const {
+    return windows_[static_cast<std::size_t>(level)][static_cast<std::size_t>(slab)];
   }
 
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  struct Window {
-    int x = 0;  // the first one
-    int y = 0;
-    std::uint32_t width = 0;
-    std::uint32_t depth = 0;
-    std::vector<std::uint8_t> values;
-  };
-
   static constexpr int kSlab = 4;  // [cells]
 
   void make_windows(int levels);
   void add_columns();
-  [[nodiscard]] Window doubled(int level, int slab) const;
+  [[nodiscard]] Windows doubled(int level, int slab) const;
 
   double cell_m_;
   GroundHeights ground_;
   CellGrid values_;
-  std::vector<std::vector<Window>> windows_;  // by level and slab
+  std::vector<std::vector<Windows>> windows_;  // by level and slab
 };
 
 }  // namespace fleetloc

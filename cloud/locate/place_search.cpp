@@ -38,15 +38,15 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
     weights_.push_back(landmark.weight);
     full_score_ += MapPyramid::kFull * landmark.weight;
   }
-  rest_.assign(weights_.begin(), weights_.end());
-  for (std::size_t i = rest_.size(); i-- > 0;) {
-    rest_[i] = MapPyramid::kFull * weights_[i] + (i + 1 < rest_.size() ? rest_[i + 1] : 0);
-  }
   turn(landmarks, radius);
   const bool is_height_known = last_.z() - first_.z() <= 2;
+  windows_.resize(static_cast<std::size_t>(map.levels()));
   for (const Turned& landmark : turned_.front().front()) {
-    slabs_.push_back(is_height_known ? map.slab_of(first_.z() + 1 + landmark.cell.z())
-                                     : map.any_height());
+    const int slab =
+        is_height_known ? map.slab_of(first_.z() + 1 + landmark.cell.z()) : map.any_height();
+    for (int level = 0; level < map.levels(); ++level) {
+      windows_[static_cast<std::size_t>(level)].push_back(&map.windows(level, slab));
+    }
   }
   add_roots();
 }
@@ -89,7 +89,15 @@ PlaceSearch::Landmarks PlaceSearch::joined(const Landmarks& block, const Landmar
   return result;
 }
 
+const PlaceSearch::Landmarks& PlaceSearch::block(int level, int yaw) const {
+  return turned_[static_cast<std::size_t>(std::max(level, 0))][static_cast<std::size_t>(yaw)];
+}
+
 void PlaceSearch::add_roots() {
+  rest_.assign(weights_.size(), 0);
+  for (std::size_t i = rest_.size(); i-- > 0;) {
+    rest_[i] = MapPyramid::kFull * weights_[i] + (i + 1 < rest_.size() ? rest_[i + 1] : 0);
+  }
   const int level = map_.levels() - 1;
   const int step = 1 << level;
   for (int yaw = 0; yaw < static_cast<int>(turned_.back().size()); ++yaw) {
@@ -107,26 +115,27 @@ int PlaceSearch::value(int level,
                        const Eigen::Vector3i& at) const {
   const Eigen::Vector3i cell = at + turned.cell;
   if (level == kLeaf) return map_.value(cell.x(), cell.y(), cell.z());
-  const int slab = slabs_[landmark];
-  int largest = map_.largest(level, slab, cell.x(), cell.y());
-  const int dx = turned.extent.x();
-  const int dy = turned.extent.y();
-  const auto widen = [&](int x, int y) {
-    largest = std::max<int>(largest, map_.largest(level, slab, cell.x() + x, cell.y() + y));
-  };
-  if (dx > 0) widen(dx, 0);
-  if (dy > 0) widen(0, dy);
-  if (dx > 0 && dy > 0) widen(dx, dy);
-  return largest;
+  const MapPyramid::Windows& windows = *windows_[static_cast<std::size_t>(level)][landmark];
+  return windows.largest(cell.x(), cell.y(), turned.extent.x(), turned.extent.y());
+}
+
+// Of its parts no landmark has more than of the node.
+void PlaceSearch::note_rest(const Node& node) {
+  const Landmarks& landmarks = block(node.level, node.yaw);
+  int rest = 0;
+  for (std::size_t i = landmarks.size(); i-- > 0;) {
+    rest += weights_[i] * value(node.level, i, landmarks[i], node.at);
+    rest_[i] = rest;
+  }
+  evaluations_ += landmarks.size();
 }
 
 void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
-  const Landmarks& landmarks =
-      turned_[static_cast<std::size_t>(std::max(level, 0))][static_cast<std::size_t>(yaw)];
+  const Landmarks& landmarks = block(level, yaw);
   const int enough = static_cast<int>(std::ceil(config_.min_share * best_leaf_));
   int bound = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (bound + rest_[i] < enough) {  // whatever the others add
+    if (bound + rest_[i] < enough) {  // whatever the others have
       evaluations_ += i;
       best_dropped_ = std::max(best_dropped_, bound + rest_[i]);
       return;
@@ -146,12 +155,14 @@ void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
 }
 
 void PlaceSearch::split(const Node& node) {
-  if (node.level == 0) {
-    for (int z = first_.z(); z <= last_.z(); ++z) {
-      add(kLeaf, node.yaw, {node.at.x(), node.at.y(), z});
-    }
-    return;
+  note_rest(node);
+  if (node.level > 0) return split_level(node);
+  for (int z = first_.z(); z <= last_.z(); ++z) {
+    add(kLeaf, node.yaw, {node.at.x(), node.at.y(), z});
   }
+}
+
+void PlaceSearch::split_level(const Node& node) {
   const int level = node.level - 1;
   const int size = 1 << level;
   const auto& blocks = turned_[static_cast<std::size_t>(level)];

@@ -89,13 +89,16 @@ class PlaceSearch {
 
   void turn(const std::vector<SeenLandmark>& landmarks, double radius);
   [[nodiscard]] static Landmarks joined(const Landmarks& block, const Landmarks& next);
+  [[nodiscard]] const Landmarks& block(int level, int yaw) const;
   [[nodiscard]] int value(int level,
                           std::size_t landmark,
                           const Turned& turned,
                           const Eigen::Vector3i& at) const;
   void add_roots();
+  void note_rest(const Node& node);
   void add(int level, int yaw, const Eigen::Vector3i& at);
   void split(const Node& node);
+  void split_level(const Node& node);
   void take(const Node& leaf);
   [[nodiscard]] Pose pose_of(int yaw, const Eigen::Vector3i& at) const;
   [[nodiscard]] double score_of(const Node& node) const;
@@ -104,9 +107,9 @@ class PlaceSearch {
   Config config_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the landmarks
   std::vector<int> weights_;
-  std::vector<int> rest_;  // score of the landmarks from each one on, if all were explained
-  std::vector<std::vector<Landmarks>> turned_;  // by level and block of headings
-  std::vector<int> slabs_;                      // of the landmarks
+  std::vector<int> rest_;  // of what is split: at most, of the landmarks from each one on
+  std::vector<std::vector<Landmarks>> turned_;                    // by level and block of headings
+  std::vector<std::vector<const MapPyramid::Windows*>> windows_;  // by level, of each landmark
   std::function<bool(const Pose&)> is_possible_;
   Eigen::Vector3i first_;  // position of the region
   Eigen::Vector3i last_;

@@ -51,7 +51,7 @@ TEST(MapPyramid, KnowsTheLargestValueOfAWindowOfColumns) {
               largest = std::max(largest, column(slab, x + i, y + j));
             }
           }
-          ASSERT_EQ(pyramid.largest(level, slab, x, y), largest)
+          ASSERT_EQ(pyramid.windows(level, slab).largest(x, y), largest)
               << "level " << level << ", slab " << slab << ", window " << x << ' ' << y;
         }
       }

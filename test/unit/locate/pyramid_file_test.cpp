@@ -59,7 +59,8 @@ TEST_F(PyramidFile, GivesThePyramidThatWasMade) {
     for (int slab = 0; slab <= pyramid_.any_height(); ++slab) {
       for (int y = pyramid_.min().y() - 9; y <= pyramid_.max().y(); y += 2) {
         for (int x = pyramid_.min().x() - 9; x <= pyramid_.max().x(); x += 2) {
-          ASSERT_EQ(loaded->largest(level, slab, x, y), pyramid_.largest(level, slab, x, y));
+          ASSERT_EQ(loaded->windows(level, slab).largest(x, y),
+                    pyramid_.windows(level, slab).largest(x, y));
         }
       }
     }
