@@ -7,7 +7,8 @@
 namespace fleetloc {
 
 double max_sigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance, Eigen::EigenvaluesOnly);
   return std::sqrt(eigen.eigenvalues()(2));
 }
 
