@@ -12,11 +12,12 @@ namespace {
 
 constexpr double kCleanUpSeconds = 1.0;
 
-/// After a turn of the session that took so long.
-void note_search(const SessionLocalizer& session, double turn_ms, SearchReport& report) {
-  const FirstPlace* const search = session.first_place();
+/// After a turn of the session that took so long. With new submaps it was one of their localization
+/// as well, and hardly of the search.
+void note_search(const LocalizerPool::Job& job, double turn_ms, SearchReport& report) {
+  const FirstPlace* const search = job.session->first_place();
   if (!search) return;
-  report.running_ms += turn_ms;
+  if (job.submaps.empty()) report.running_ms += turn_ms;
   if (search->is_running()) return;
   const double run_ms = std::exchange(report.running_ms, 0.0);
   if (search->searches() != report.searches) report.ms.add(run_ms);
@@ -251,7 +252,7 @@ void LocalizerPool::finish(const Job& job,
   SessionReport& report = report_.of(job.robot);
   if (!job.error.empty()) report.refuse(PoolRefusal::kError);
   report.memory_bytes = job.session->memory_bytes();
-  note_search(*job.session, optimize_ms, report.search);
+  note_search(job, optimize_ms, report.search);
   report.search.possible_places = possible_places_of(*job.session);
   served_.searched(job.robot, report.search.possible_places);
   // A turn of a search that has found nothing has nothing new to say.
