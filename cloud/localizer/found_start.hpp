@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <optional>
 
 #include "cloud/localizer/rejection.hpp"
@@ -29,8 +28,11 @@ class FoundStart {
     found_ = Found{.at_m = travelled_m, .refused_since_m = {}, .searched_m = searched_m};
   }
   /// Another search has found the same place.
-  void confirm(double searched_m) {
-    if (found_) found_->searched_m = std::max(found_->searched_m, searched_m);
+  /// @return whether from a longer window than any before
+  bool confirm(double searched_m) {
+    if (!found_ || searched_m <= found_->searched_m) return false;
+    found_->searched_m = searched_m;
+    return true;
   }
   /// What a window says of it that is not localized there.
   void judge(PlaceEvidence evidence, double travelled_m) {

@@ -83,8 +83,8 @@ void SessionLocalizer::take_over(const SessionDatabase& database) {
 LocalizationResult SessionLocalizer::localize() {
   assert(!database_.empty());
   system_.reset();
-  const bool is_found = first_place_ && search();
-  const bool has_news = std::exchange(has_news_, false) || is_found;
+  const bool knows_more = first_place_ && search();
+  const bool has_news = std::exchange(has_news_, false) || knows_more;
   if (!has_news && diagnostics_.rejection) return rejected(*diagnostics_.rejection, diagnostics_);
   const std::vector<KeyframeId> window = database_.window();
   const auto ready = acceptance_.check_window(dead_reckoning_.has_anchor(), window.size());
@@ -110,7 +110,7 @@ LocalizationResult SessionLocalizer::localize() {
 
 // While there is no place, or none that is believed, or none but one that was found so far: one
 // turn, of which the first only looks at what has been seen.
-// @return whether there is another place now
+// @return whether more is known of the place now: another one, or the same from a longer window
 bool SessionLocalizer::search() {
   const KeyframeId newest = database_.newest().item.id;
   if (has_found_start() && found_start_.is_wrong(dead_reckoning_.travelled_m(newest))) {
@@ -125,10 +125,7 @@ bool SessionLocalizer::search() {
   }
   const auto T_map_odom = first_place_->advance();
   if (!T_map_odom) return false;
-  if (has_place && is_held(*T_map_odom)) {
-    found_start_.confirm(search_way_m_);
-    return false;
-  }
+  if (has_place && is_held(*T_map_odom)) return found_start_.confirm(search_way_m_);
   start_at(*T_map_odom);
   return true;
 }

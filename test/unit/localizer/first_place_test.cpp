@@ -113,17 +113,22 @@ TEST(FirstPlace, IsFoundWhereOnlyTheHeadingIsUnknown) {
   EXPECT_GE(found, 3);
 }
 
-// As if the map were larger than a room: a place that is the only one after some metres may be so
-// by chance.
+/// As if the map were larger than a room: a place that is the only one after some metres may be so
+/// by chance.
+SessionLocalizer::Config with_searched_path(double searched_path_m) {
+  SessionLocalizer::Config config = localizer_config();
+  config.confirmation.known_start_m = 0.1;
+  config.confirmation.path_m = 3.0;
+  config.confirmation.searched_path_m = searched_path_m;
+  return config;
+}
+
 TEST(FirstPlace, IsLocalizedOnlyOnceALongWindowHasFoundIt) {
   const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
   const SimulatedSession robot({.seed = 1});
   const auto first_with = [&](double searched_path_m) {
-    SessionLocalizer::Config config = localizer_config();
-    config.confirmation.known_start_m = 0.1;
-    config.confirmation.path_m = 3.0;
-    config.confirmation.searched_path_m = searched_path_m;
-    SessionLocalizer localizer(without_start(robot), room_map(), config, pyramid);
+    SessionLocalizer localizer(
+        without_start(robot), room_map(), with_searched_path(searched_path_m), pyramid);
     return first_localized(localizer, robot, 40);
   };
   const auto from_short = first_with(1.5);
@@ -131,6 +136,20 @@ TEST(FirstPlace, IsLocalizedOnlyOnceALongWindowHasFoundIt) {
   ASSERT_TRUE(from_short && from_long);
   EXPECT_GT(*from_long, *from_short);
   EXPECT_FALSE(first_with(1000.0));
+}
+
+// Not with the next submap only: a robot that has stopped sends none.
+TEST(FirstPlace, IsLocalizedByTheSearchThatFindsItAgain) {
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
+  const SimulatedSession robot({.seed = 1});
+  SessionLocalizer localizer(without_start(robot), room_map(), with_searched_path(7.0), pyramid);
+  for (int i = 0; i < 40; ++i) {
+    const std::size_t searches = localizer.first_place()->searches();
+    if (answer_to(localizer, robot, i).status != LocalizationStatus::kLocalized) continue;
+    EXPECT_EQ(localizer.first_place()->searches(), searches + 1) << "keyframe " << i;
+    return;
+  }
+  ADD_FAILURE() << "never localized";
 }
 
 TEST(FirstPlace, IsLookedForOnlyOnTheWay) {

@@ -52,8 +52,9 @@ TEST(FoundStart, IsGivenUpFromWhichNothingIsLocalizedThoughAllFits) {
 TEST(FoundStart, IsKnownFromTheLongestWindowAndBeginsAnewAtAnotherPlaceOnly) {
   FoundStart start = found_after_7_m();
   EXPECT_EQ(start.searched_m(), 6.0);
-  start.confirm(10.0);
-  start.confirm(9.0);
+  EXPECT_TRUE(start.confirm(10.0));
+  EXPECT_FALSE(start.confirm(9.0));
+  EXPECT_FALSE(start.confirm(10.0));
   EXPECT_EQ(start.searched_m(), 10.0);
   EXPECT_TRUE(start.is_wrong(32.1));
   start.begin(11.0, 8.0);
@@ -65,7 +66,7 @@ TEST(FoundStart, IsNeitherRightNorWrongIfThereIsNone) {
   FoundStart start = found_after_7_m();
   start.give_up();
   start.judge(PlaceEvidence::kAgainst, 8.0);
-  start.confirm(10.0);
+  EXPECT_FALSE(start.confirm(10.0));
   EXPECT_FALSE(start.exists());
   EXPECT_FALSE(start.is_wrong(100.0));
 }
