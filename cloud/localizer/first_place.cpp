@@ -1,6 +1,7 @@
 #include "cloud/localizer/first_place.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -61,17 +62,20 @@ void FirstPlace::begin_search(double travelled_m) {
   auto standing =
       evenly(spread_out(above_ground(seen, config_.ground), config_.spacing_cells * cell_m()),
              config_.max_landmarks);
-  if (standing.size() < static_cast<std::size_t>(config_.min_landmarks)) return;
+  if (standing.empty()) return;
   SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
   if (region_) restrict_to_region(standing, region);
+  PlaceSearch search(*pyramid_,
+                     standing,
+                     region,
+                     {.max_places = config_.max_places + 1,
+                      .min_share = config_.min_share,
+                      .same_m = config_.hypotheses.same_m,
+                      .same_rad = config_.hypotheses.same_rad});
+  const double told_apart = static_cast<double>(standing.size()) / config_.landmarks_per_log_place;
+  if (told_apart < std::log(std::max(1.0, search.candidates()))) return;
   searched_at_m_ = travelled_m;
-  search_.emplace(*pyramid_,
-                  standing,
-                  region,
-                  PlaceSearch::Config{.max_places = config_.max_places + 1,
-                                      .min_share = config_.min_share,
-                                      .same_m = config_.hypotheses.same_m,
-                                      .same_rad = config_.hypotheses.same_rad});
+  search_.emplace(std::move(search));
 }
 
 // The most certain first.
@@ -256,7 +260,7 @@ FirstPlace::Config read_first_place_config(ConfigReader section) {
           .low_m = section.number("low_m", 0.0, 100.0),
           .high_weight = section.integer("high_weight", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
-          .min_landmarks = section.integer("min_landmarks", 3, 10000),
+          .landmarks_per_log_place = section.positive("landmarks_per_log_place"),
           .min_way_cells = section.positive("min_way_cells"),
           .next_way_cells = section.positive("next_way_cells"),
           .ambiguous_way_cells = section.positive("ambiguous_way_cells"),

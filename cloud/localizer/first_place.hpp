@@ -34,12 +34,13 @@ class FirstPlace {
     double min_share;      ///< of the best place's score in PlaceSearch
     double min_explained;  ///< share of the landmarks, by weight; with less it is not in the map
     /// What follows in cells is relative to those of the pyramid: smaller in a room.
-    double spacing_cells;        ///< of landmarks: what stands together is one witness
-    double max_sigma_cells;      ///< of a landmark
-    double low_m;                ///< above the ground; lower things may be gone, such as vehicles
-    int high_weight;             ///< of the higher ones, that of the lower ones is 1
-    int max_landmarks;           ///< are looked for, evenly sampled
-    int min_landmarks;           ///< above the ground: fewer say nothing
+    double spacing_cells;    ///< of landmarks: what stands together is one witness
+    double max_sigma_cells;  ///< of a landmark
+    double low_m;            ///< above the ground; lower things may be gone, such as vehicles
+    int high_weight;         ///< of the higher ones, that of the lower ones is 1
+    int max_landmarks;       ///< are looked for, evenly sampled
+    /// Above the ground, of ln(places there are): fewer are too few to tell that many apart.
+    double landmarks_per_log_place;
     double min_way_cells;        ///< driven in the window
     double next_way_cells;       ///< driven from one search to the next,
     double ambiguous_way_cells;  ///< the same while places are followed,

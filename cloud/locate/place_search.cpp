@@ -48,7 +48,6 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
       windows_[static_cast<std::size_t>(level)].push_back(&map.windows(level, slab));
     }
   }
-  add_roots();
 }
 
 // At each heading, and in blocks of two, four and so on.
@@ -194,7 +193,15 @@ Pose PlaceSearch::pose_of(int yaw, const Eigen::Vector3i& at) const {
   return T;
 }
 
+double PlaceSearch::candidates() const {
+  if (turned_.empty()) return 0.0;
+  const Eigen::Vector3i size = last_ - first_ + Eigen::Vector3i::Ones();
+  return size.cwiseMax(0).cast<double>().prod() * headings();
+}
+
 bool PlaceSearch::advance(std::size_t evaluations) {
+  if (turned_.empty()) return true;
+  if (!std::exchange(has_begun_, true)) add_roots();
   const std::size_t end = evaluations_ + evaluations;
   while (evaluations_ < end) {
     const bool is_enough = static_cast<int>(places_.size()) >= config_.max_places ||

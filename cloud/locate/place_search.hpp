@@ -64,6 +64,8 @@ class PlaceSearch {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
   /// Steps of the heading in a turn: none moves a landmark by more than a cell.
   [[nodiscard]] int headings() const { return static_cast<int>(turned_.front().size()); }
+  /// Of what there is to choose from: positions in the region, each with all headings.
+  [[nodiscard]] double candidates() const;
 
  private:
   /// Cells of a landmark, over a block of headings.
@@ -114,6 +116,7 @@ class PlaceSearch {
   Eigen::Vector3i first_;  // position of the region
   Eigen::Vector3i last_;
   int full_score_ = 0;
+  bool has_begun_ = false;
   std::priority_queue<Node> queue_;
   std::vector<FoundPlace> places_;
   std::size_t evaluations_ = 0;
