@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "cloud/localizer/dead_reckoning.hpp"
@@ -63,19 +62,22 @@ void FirstPlace::begin_search(double travelled_m) {
       evenly(spread_out(above_ground(seen, config_.ground), config_.spacing_cells * cell_m()),
              config_.max_landmarks);
   if (standing.empty()) return;
-  SearchRegion region = heights_above_ground(camera_height(seen, config_.ground), standing);
-  if (region_) restrict_to_region(standing, region);
-  PlaceSearch search(*pyramid_,
-                     standing,
-                     region,
-                     {.max_places = config_.max_places + 1,
-                      .min_share = config_.min_share,
-                      .same_m = config_.hypotheses.same_m,
-                      .same_rad = config_.hypotheses.same_rad});
-  const double told_apart = static_cast<double>(standing.size()) / config_.landmarks_per_log_place;
-  if (told_apart < std::log(std::max(1.0, search.candidates()))) return;
+  const std::optional<double> camera_height_m = camera_height(seen, config_.ground);
+  const std::optional<double> view_ground_m = ground_below_view(camera_height_m, standing);
+  SearchRegion region = heights_above_ground(camera_height_m, standing);
+  if (region_) restrict_to_region(standing, view_ground_m, region);
+  const double log_places = std::log(PlaceSearch::candidates(*pyramid_, standing, region));
+  const auto landmarks = static_cast<double>(standing.size());
+  if (landmarks < config_.landmarks_per_log_place * log_places) return;
   searched_at_m_ = travelled_m;
-  search_.emplace(std::move(search));
+  view_ground_m_ = view_ground_m;
+  search_.emplace(*pyramid_,
+                  standing,
+                  region,
+                  PlaceSearch::Config{.max_places = config_.max_places + 1,
+                                      .min_share = config_.min_share,
+                                      .same_m = config_.hypotheses.same_m,
+                                      .same_rad = config_.hypotheses.same_rad});
 }
 
 // The most certain first.
@@ -83,7 +85,7 @@ std::vector<SeenLandmark> FirstPlace::certain_landmarks() const {
   std::vector<std::pair<double, SeenLandmark>> seen;
   for (const WindowLandmark& landmark : hypotheses_.view().landmarks) {
     const double sigma_m = max_sigma(landmark.covariance);
-    if (sigma_m > config_.max_sigma_cells * cell_m()) continue;
+    if (!(sigma_m <= config_.max_sigma_cells * cell_m())) continue;
     seen.push_back({sigma_m, {.p = landmark.p_map, .viewpoint = landmark.viewpoint_map}});
   }
   std::ranges::stable_sort(seen, {}, &std::pair<double, SeenLandmark>::first);
@@ -104,20 +106,25 @@ void FirstPlace::stop() {
   ambiguous_.clear();
 }
 
+// Below the nearest of the viewpoints.
+std::optional<double> FirstPlace::ground_below_view(
+    const std::optional<double>& camera_height_m,
+    const std::vector<SeenLandmark>& landmarks) const {
+  if (!camera_height_m || landmarks.empty()) return std::nullopt;
+  const auto from_body_m = [this](const SeenLandmark& landmark) {
+    return (landmark.viewpoint - hypotheses_.view().T_odom_body.p).norm();
+  };
+  return std::ranges::min_element(landmarks, {}, from_body_m)->viewpoint.z() - *camera_height_m;
+}
+
 // A robot whose camera is at a known height drives on the ground; any other may be at any height.
 SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camera_height_m,
-                                              std::vector<SeenLandmark>& landmarks) {
-  double nearest_m = std::numeric_limits<double>::infinity();
+                                              std::vector<SeenLandmark>& landmarks) const {
   double mean_m = 0.0;
-  view_ground_m_.reset();
   for (SeenLandmark& landmark : landmarks) {
-    const double ground_m = camera_height_m ? landmark.viewpoint.z() - *camera_height_m : 0.0;
-    landmark.p.z() -= ground_m;
+    if (camera_height_m) landmark.p.z() -= landmark.viewpoint.z() - *camera_height_m;
     if (camera_height_m && landmark.p.z() > config_.low_m) landmark.weight = config_.high_weight;
     mean_m += landmark.p.z() / static_cast<double>(landmarks.size());
-    const double from_body_m = (landmark.viewpoint - hypotheses_.view().T_odom_body.p).norm();
-    if (camera_height_m && from_body_m < nearest_m) view_ground_m_ = ground_m;
-    nearest_m = std::min(nearest_m, from_body_m);
   }
   const double cell_m = pyramid_->cell_m();
   SearchRegion region{cell_m * pyramid_->min().cast<double>(),
@@ -132,6 +139,7 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
 // Wherever it looked from there, the landmarks' mean is as far from where it began. A storey is so
 // much above the map's ground as that is uneven there.
 void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
+                                    const std::optional<double>& view_ground_m,
                                     SearchRegion& region) const {
   const MapRegion& where = region_->where;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -147,7 +155,7 @@ void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
   if (!is_storey_told()) return;
   const auto [lowest_ground_m, highest_ground_m] =
       pyramid_->ground().range(region.min_map.head<2>(), region.max_map.head<2>());
-  const double robot_m = view_ground_m_ ? 0.0 : hypotheses_.view().T_odom_body.p.z();
+  const double robot_m = view_ground_m ? 0.0 : hypotheses_.view().T_odom_body.p.z();
   region.min_map.z() = mean.z() + where.lowest_m - highest_ground_m - robot_m - cell_m;
   region.max_map.z() = mean.z() + where.highest_m - lowest_ground_m - robot_m + cell_m;
 }
@@ -260,7 +268,7 @@ FirstPlace::Config read_first_place_config(ConfigReader section) {
           .low_m = section.number("low_m", 0.0, 100.0),
           .high_weight = section.integer("high_weight", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000),
-          .landmarks_per_log_place = section.positive("landmarks_per_log_place"),
+          .landmarks_per_log_place = section.number("landmarks_per_log_place", 0.0, 5.0),
           .min_way_cells = section.positive("min_way_cells"),
           .next_way_cells = section.positive("next_way_cells"),
           .ambiguous_way_cells = section.positive("ambiguous_way_cells"),

@@ -127,10 +127,15 @@ class FirstPlace {
   [[nodiscard]] bool is_search_due(double travelled_m) const;
   void begin_search(double travelled_m);
   [[nodiscard]] std::vector<SeenLandmark> certain_landmarks() const;
+  [[nodiscard]] std::optional<double> ground_below_view(
+      const std::optional<double>& camera_height_m,
+      const std::vector<SeenLandmark>& landmarks) const;
   /// Takes the landmarks' heights from odom to the ground below the camera that saw them.
-  SearchRegion heights_above_ground(const std::optional<double>& camera_height_m,
-                                    std::vector<SeenLandmark>& landmarks);
-  void restrict_to_region(const std::vector<SeenLandmark>& landmarks, SearchRegion& region) const;
+  [[nodiscard]] SearchRegion heights_above_ground(const std::optional<double>& camera_height_m,
+                                                  std::vector<SeenLandmark>& landmarks) const;
+  void restrict_to_region(const std::vector<SeenLandmark>& landmarks,
+                          const std::optional<double>& view_ground_m,
+                          SearchRegion& region) const;
   [[nodiscard]] Pose in_map(const Pose& T_map_seen) const;
   void add_with_storeys(const Pose& T_map_odom);
   [[nodiscard]] bool is_storey_told() const;
@@ -147,7 +152,7 @@ class FirstPlace {
   std::optional<Region> region_;
   PlaceHypotheses hypotheses_;
 
-  std::optional<double> view_ground_m_;  // below the newest view, in odom, if it is known
+  std::optional<double> view_ground_m_;  // below the view of the last search, in odom, if known
   std::optional<double> searched_at_m_;  // travelled, of the last search
   double followed_at_m_ = 0.0;           // of the last alignment of places
   bool is_running_ = false;

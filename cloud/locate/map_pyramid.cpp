@@ -73,7 +73,7 @@ void MapPyramid::add_columns() {
                 .depth = static_cast<std::uint32_t>(size.y()),
                 .values = {}};
   empty.values.assign(static_cast<std::size_t>(empty.width) * empty.depth, 0);
-  const int slabs = (size.z() + kSlab - 1) / kSlab;
+  const int slabs = std::max(1, (size.z() + kSlab - 1) / kSlab);
   std::vector<Windows>& columns =
       windows_.emplace_back(static_cast<std::size_t>(slabs + 1), empty);  // and one of any height
   values_.for_each([&](const Eigen::Vector3i& cell, std::uint8_t value) {

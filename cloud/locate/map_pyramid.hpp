@@ -53,7 +53,7 @@ class MapPyramid {
   /// The slab that has all heights.
   [[nodiscard]] int any_height() const { return static_cast<int>(windows_.front().size()) - 1; }
 
-  /// Of windows of one size in a slab, one at each column.
+  /// The largest values in windows of one size in a slab: one begins at each column.
   struct Windows {
     int x = 0;  ///< the first column
     int y = 0;
@@ -61,7 +61,7 @@ class MapPyramid {
     std::uint32_t depth = 0;
     std::vector<std::uint8_t> values;  ///< x fastest
 
-    /// The largest value in the window that begins at a column.
+    /// In the window that begins at a column.
     [[nodiscard]] std::uint8_t largest(int x_column, int y_column) const {
       const auto ix = static_cast<std::uint32_t>(x_column - x);
       const auto iy = static_cast<std::uint32_t>(y_column - y);
@@ -69,7 +69,7 @@ class MapPyramid {
       return values[static_cast<std::size_t>(iy) * width + ix];
     }
 
-    /// The largest value in the four windows that begin there and up to so many columns further on.
+    /// In the four windows that begin there, and so many columns further on along each axis.
     [[nodiscard]] std::uint8_t largest(int x_column, int y_column, int dx, int dy) const {
       const auto ix = static_cast<std::uint32_t>(x_column - x);
       const auto iy = static_cast<std::uint32_t>(y_column - y);

@@ -14,6 +14,22 @@ double yaw_of(std::size_t step, std::size_t steps) {
   return 2.0 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
 }
 
+Eigen::Vector3d mean_of(const std::vector<SeenLandmark>& landmarks) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const SeenLandmark& landmark : landmarks) mean += landmark.p;
+  return mean / static_cast<double>(landmarks.size());
+}
+
+/// So many that none moves a landmark, which is turned about the mean, by more than a cell.
+std::size_t headings_for(const std::vector<SeenLandmark>& landmarks, double cell_m) {
+  const Eigen::Vector3d mean = mean_of(landmarks);
+  double radius_cells = 1.0;
+  for (const SeenLandmark& landmark : landmarks) {
+    radius_cells = std::max(radius_cells, (landmark.p - mean).head<2>().norm() / cell_m);
+  }
+  return static_cast<std::size_t>(std::ceil(2.0 * std::numbers::pi * radius_cells));
+}
+
 Pose turned_about_z(double yaw_rad, const Eigen::Vector3d& p) {
   return {exp_so3({0.0, 0.0, yaw_rad}), p};
 }
@@ -30,15 +46,12 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
       first_(floored(region.min_map / map.cell_m())),
       last_(floored(region.max_map / map.cell_m())) {
   if (landmarks.empty()) return;
-  for (const SeenLandmark& landmark : landmarks) center_ += landmark.p;
-  center_ /= static_cast<double>(landmarks.size());
-  double radius = 1.0;  // [cells]
+  center_ = mean_of(landmarks);
   for (const SeenLandmark& landmark : landmarks) {
-    radius = std::max(radius, (landmark.p - center_).head<2>().norm() / map.cell_m());
     weights_.push_back(landmark.weight);
     full_score_ += MapPyramid::kFull * landmark.weight;
   }
-  turn(landmarks, radius);
+  turn(landmarks);
   const bool is_height_known = last_.z() - first_.z() <= 2;
   windows_.resize(static_cast<std::size_t>(map.levels()));
   for (const Turned& landmark : turned_.front().front()) {
@@ -51,10 +64,8 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
 }
 
 // At each heading, and in blocks of two, four and so on.
-// @param radius  of the landmarks about their mean [cells]
-void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks, double radius) {
-  std::vector<Landmarks> headings(
-      static_cast<std::size_t>(std::ceil(2.0 * std::numbers::pi * radius)));
+void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
+  std::vector<Landmarks> headings(headings_for(landmarks, map_.cell_m()));
   for (std::size_t yaw = 0; yaw < headings.size(); ++yaw) {
     const double angle = yaw_of(yaw, headings.size());
     const double c = std::cos(angle);
@@ -118,7 +129,7 @@ int PlaceSearch::value(int level,
   return windows.largest(cell.x(), cell.y(), turned.extent.x(), turned.extent.y());
 }
 
-// Of its parts no landmark has more than of the node.
+// In no part of the node has a landmark a larger value than in the node.
 void PlaceSearch::note_rest(const Node& node) {
   const Landmarks& landmarks = block(node.level, node.yaw);
   int rest = 0;
@@ -193,16 +204,21 @@ Pose PlaceSearch::pose_of(int yaw, const Eigen::Vector3i& at) const {
   return T;
 }
 
-double PlaceSearch::candidates() const {
-  if (turned_.empty()) return 0.0;
-  const Eigen::Vector3i size = last_ - first_ + Eigen::Vector3i::Ones();
-  return size.cwiseMax(0).cast<double>().prod() * headings();
+double PlaceSearch::candidates(const MapPyramid& map,
+                               const std::vector<SeenLandmark>& landmarks,
+                               const SearchRegion& region) {
+  if (landmarks.empty()) return 0.0;
+  const Eigen::Vector3i first = floored(region.min_map / map.cell_m());
+  const Eigen::Vector3i last = floored(region.max_map / map.cell_m());
+  const Eigen::Vector3i size = last - first + Eigen::Vector3i::Ones();
+  return size.cwiseMax(0).cast<double>().prod() *
+         static_cast<double>(headings_for(landmarks, map.cell_m()));
 }
 
 bool PlaceSearch::advance(std::size_t evaluations) {
   if (turned_.empty()) return true;
-  if (!std::exchange(has_begun_, true)) add_roots();
   const std::size_t end = evaluations_ + evaluations;
+  if (!std::exchange(has_begun_, true)) add_roots();
   while (evaluations_ < end) {
     const bool is_enough = static_cast<int>(places_.size()) >= config_.max_places ||
                            (!queue_.empty() && queue_.top().bound < config_.min_share * best_leaf_);

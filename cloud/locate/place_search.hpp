@@ -64,8 +64,11 @@ class PlaceSearch {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
   /// Steps of the heading in a turn: none moves a landmark by more than a cell.
   [[nodiscard]] int headings() const { return static_cast<int>(turned_.front().size()); }
-  /// Of what there is to choose from: positions in the region, each with all headings.
-  [[nodiscard]] double candidates() const;
+
+  /// How many places there are to choose from: positions in the region, each with all headings.
+  static double candidates(const MapPyramid& map,
+                           const std::vector<SeenLandmark>& landmarks,
+                           const SearchRegion& region);
 
  private:
   /// Cells of a landmark, over a block of headings.
@@ -89,7 +92,7 @@ class PlaceSearch {
   };
   static constexpr int kLeaf = -1;
 
-  void turn(const std::vector<SeenLandmark>& landmarks, double radius);
+  void turn(const std::vector<SeenLandmark>& landmarks);
   [[nodiscard]] static Landmarks joined(const Landmarks& block, const Landmarks& next);
   [[nodiscard]] const Landmarks& block(int level, int yaw) const;
   [[nodiscard]] int value(int level,
@@ -109,7 +112,7 @@ class PlaceSearch {
   Config config_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the landmarks
   std::vector<int> weights_;
-  std::vector<int> rest_;  // of what is split: at most, of the landmarks from each one on
+  std::vector<int> rest_;  // of what is split: score of the landmarks from each one on, at most
   std::vector<std::vector<Landmarks>> turned_;                    // by level and block of headings
   std::vector<std::vector<const MapPyramid::Windows*>> windows_;  // by level, of each landmark
   std::function<bool(const Pose&)> is_possible_;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kCleanUpSeconds = 1.0;
 
-/// After a turn of the session that took so long. With new submaps it was one of their localization
-/// as well, and hardly of the search.
+/// After a turn of the session that took so long. One with new submaps was spent on their
+/// localization, but for a part of a search.
 void note_search(const LocalizerPool::Job& job, double turn_ms, SearchReport& report) {
   const FirstPlace* const search = job.session->first_place();
   if (!search) return;

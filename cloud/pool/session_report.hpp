@@ -41,8 +41,10 @@ struct SearchReport {
   double explained = 1.0;                        ///< see FirstPlace
   std::size_t places_left = 0;                   ///< of the latest search
   std::vector<Eigen::Vector3d> possible_places;  ///< see ServedRobot
-  RecentValues ms;                               ///< of each search, with the places' alignment
-  double running_ms = 0.0;                       ///< of the one that has not ended
+  /// Of each search, with the places' alignment: of its turns that had no submaps as well. The last
+  /// one of a search that has found a place localizes there, too.
+  RecentValues ms;
+  double running_ms = 0.0;  ///< of the one that has not ended
 };
 
 /// Statistics of one robot at this localizer; written to sessions.json.

@@ -6,8 +6,8 @@
 
 namespace fleetloc {
 
-/// Largest sigma over all directions, in the unit of the covariance's root. NaN for a covariance
-/// that is not positive semi-definite.
+/// Largest sigma over all directions, in the unit of the covariance's root. NaN if the covariance
+/// has one, or is negative along all directions.
 double max_sigma(const Eigen::Matrix3d& covariance);
 
 /// Diagonal covariance of a perturbation of a pose: the same sigma about all axes [rad], and along

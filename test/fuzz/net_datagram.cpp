@@ -5,6 +5,8 @@
 #include "shared/transport/workarounds/answered_heartbeats.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/gap_budget.hpp"
+#include "shared/transport/workarounds/handshake_message.hpp"
+#include "shared/transport/workarounds/initial_ack_pacing.hpp"
 #include "shared/transport/workarounds/known_senders.hpp"
 #include "shared/transport/workarounds/repeated_datagram.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
@@ -24,15 +26,19 @@ void read_well_formed(RtpsBytes datagram) {
   senders.watch({GuidPrefix{}});
   WireVersionWatch versions;
   AnsweredHeartbeats heartbeats;
+  InitialAckPacing initial_acks;
   for (const auto time : {begin, begin + std::chrono::seconds(1)}) {
     gaps.passes(datagram, time);
     static_cast<void>(senders.check(datagram, kAddress, time));
     versions.observe(datagram);
     heartbeats.observe(datagram);
+    static_cast<void>(initial_acks.passes(datagram, time));
   }
   versions.take_events();
   announces_robot(datagram);
   RepeatedDatagram::read(datagram);
+  RepeatedDatagram::read_encrypted(datagram);
+  static_cast<void>(is_handshake_for_another(datagram));
   require(check_rtps(without_statistics(datagram)).has_value() || !check_rtps(datagram),
           "statistics may be left out");
 }

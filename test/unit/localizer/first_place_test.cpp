@@ -2,6 +2,7 @@
 #include "cloud/localizer/first_place.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -150,6 +151,22 @@ TEST(FirstPlace, IsLocalizedByTheSearchThatFindsItAgain) {
     return;
   }
   ADD_FAILURE() << "never localized";
+}
+
+// A place in the map of a room is one of half a million.
+TEST(FirstPlace, IsLookedForOnlyWithLandmarksEnoughToTellItFromAllOthers) {
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
+  const SimulatedSession robot({.seed = 1});
+  const auto searches_with = [&](double landmarks_per_log_place) {
+    SessionLocalizer::Config config = localizer_config();
+    config.first_place.landmarks_per_log_place = landmarks_per_log_place;
+    SessionLocalizer localizer(without_start(robot), room_map(), config, pyramid);
+    for (int i = 0; i < 20; ++i) answer_to(localizer, robot, i);
+    return localizer.first_place()->searches();
+  };
+  EXPECT_GT(searches_with(1.0), 0U);
+  const double all = localizer_config().first_place.max_landmarks;
+  EXPECT_EQ(searches_with(all / std::log(1e5)), 0U) << "more than are looked for";
 }
 
 TEST(FirstPlace, IsLookedForOnlyOnTheWay) {

@@ -59,6 +59,25 @@ TEST(MapPyramid, KnowsTheLargestValueOfAWindowOfColumns) {
   }
 }
 
+TEST(MapPyramid, KnowsTheLargestValueOfFourWindows) {
+  const LaserMap map = StreetMap(3).map();
+  const MapPyramid pyramid(map, pyramid_config());
+  const Eigen::Vector3i& min = pyramid.min();
+  const Eigen::Vector3i& max = pyramid.max();
+  const MapPyramid::Windows& windows = pyramid.windows(2, pyramid.any_height());
+  for (int y = min.y() - 8; y <= max.y() + 2; y += 5) {
+    for (int x = min.x() - 8; x <= max.x() + 2; x += 3) {
+      for (const Eigen::Vector2i& d : {Eigen::Vector2i(0, 0), {0, 3}, {4, 0}, {3, 4}, {1000, 9}}) {
+        const int largest = std::max({windows.largest(x, y),
+                                      windows.largest(x + d.x(), y),
+                                      windows.largest(x, y + d.y()),
+                                      windows.largest(x + d.x(), y + d.y())});
+        ASSERT_EQ(windows.largest(x, y, d.x(), d.y()), largest) << x << ' ' << y;
+      }
+    }
+  }
+}
+
 TEST(MapPyramid, MeasuresHeightsFromTheGround) {
   std::vector<MapPoint> points;
   const auto ground = [](double x) { return 0.1 * x; };

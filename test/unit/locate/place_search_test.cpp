@@ -37,21 +37,24 @@ Pose some_place(std::uint64_t seed) {
           {8.0 + 24.0 * random.uniform(1), 8.0 + 14.0 * random.uniform(2), 1.2}};
 }
 
-/// The best score of all headings and positions, each tried.
-double best_by_trying_all(const MapPyramid& map,
-                          const std::vector<SeenLandmark>& landmarks,
-                          const SearchRegion& region,
-                          int headings) {
+/// All headings and positions, each tried: those with at least `min_share` of the best one's score.
+std::vector<FoundPlace> by_trying_all(const MapPyramid& map,
+                                      const std::vector<SeenLandmark>& landmarks,
+                                      const SearchRegion& region,
+                                      int headings,
+                                      double min_share) {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (const SeenLandmark& landmark : landmarks) center += landmark.p;
   center /= static_cast<double>(landmarks.size());
   const Eigen::Vector3i first = (region.min_map / map.cell_m()).array().floor().cast<int>();
   const Eigen::Vector3i last = (region.max_map / map.cell_m()).array().floor().cast<int>();
-  int best = 0;
   int full = 0;
   for (const SeenLandmark& landmark : landmarks) full += MapPyramid::kFull * landmark.weight;
+  std::vector<FoundPlace> places;
+  double best = 0.0;
   for (int heading = 0; heading < headings; ++heading) {
     const double yaw = heading * (2.0 * std::numbers::pi / headings);
+    const Eigen::Quaterniond R = exp_so3({0.0, 0.0, yaw});
     std::vector<Eigen::Vector3i> cells;
     for (const SeenLandmark& landmark : landmarks) {
       const Eigen::Vector3d p = (landmark.p - center) / map.cell_m();
@@ -63,17 +66,59 @@ double best_by_trying_all(const MapPyramid& map,
     for (int z = first.z(); z <= last.z(); ++z) {
       for (int y = first.y(); y <= last.y(); ++y) {
         for (int x = first.x(); x <= last.x(); ++x) {
-          int score = 0;
+          int sum = 0;
           for (std::size_t i = 0; i < cells.size(); ++i) {
-            score += landmarks[i].weight *
-                     map.value(x + cells[i].x(), y + cells[i].y(), z + cells[i].z());
+            sum += landmarks[i].weight *
+                   map.value(x + cells[i].x(), y + cells[i].y(), z + cells[i].z());
           }
+          const double score = static_cast<double>(sum) / full;
           best = std::max(best, score);
+          if (score < min_share * best) continue;
+          const Pose T{R, map.cell_m() * Eigen::Vector3d(x, y, z) - R * center};
+          places.push_back({T, score});
         }
       }
     }
   }
-  return static_cast<double>(best) / full;
+  std::erase_if(places, [&](const FoundPlace& place) { return place.score < min_share * best; });
+  return places;
+}
+
+/// That both are one for a search.
+bool is_one(const FoundPlace& place, const FoundPlace& other, const Eigen::Vector3d& center) {
+  const Pose& T = place.T_map_seen;
+  const Pose& T_other = other.T_map_seen;
+  return (T * center - T_other * center).norm() < kConfig.same_m + 1e-9 &&
+         log_so3(T.R.conjugate() * T_other.R).norm() < kConfig.same_rad + 1e-9;
+}
+
+/// In the region, nothing that has `min_share` of the best one's score is missed.
+void expect_all_found(std::uint64_t seed,
+                      const MapPyramid& pyramid,
+                      const std::vector<SeenLandmark>& landmarks,
+                      const SearchRegion& region,
+                      double min_share) {
+  PlaceSearch::Config config = kConfig;
+  config.min_share = min_share;
+  config.max_places = 1000;
+  PlaceSearch search(pyramid, landmarks, region, config);
+  ASSERT_TRUE(search.advance(kAll));
+  ASSERT_FALSE(search.places().empty());
+  const auto all = by_trying_all(pyramid, landmarks, region, search.headings(), min_share);
+  const double best = std::ranges::max(all, {}, &FoundPlace::score).score;
+  EXPECT_NEAR(search.places().front().score, best, 1e-12) << "seed " << seed;
+  EXPECT_TRUE(std::ranges::is_sorted(search.places(), std::ranges::greater{}, &FoundPlace::score));
+  EXPECT_LE(search.max_score_of_rest(), search.places().back().score);
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const SeenLandmark& landmark : landmarks) center += landmark.p;
+  center /= static_cast<double>(landmarks.size());
+  for (const FoundPlace& place : all) {
+    const bool is_found = std::ranges::any_of(search.places(), [&](const FoundPlace& found) {
+      return is_one(place, found, center) && found.score >= place.score - 1e-12;
+    });
+    ASSERT_TRUE(is_found) << "seed " << seed << ", share " << min_share << ", score "
+                          << place.score;
+  }
 }
 
 TEST(PlaceSearch, FindsWhatTryingAllFinds) {
@@ -88,14 +133,17 @@ TEST(PlaceSearch, FindsWhatTryingAllFinds) {
     for (std::uint64_t i = 0; i < 12; ++i) {
       landmarks.push_back({.p = 4.0 * random.normal3(i), .weight = 2});
     }
-    PlaceSearch search(pyramid, landmarks, all_of(map), kConfig);
-    ASSERT_TRUE(search.advance(kAll));
-    ASSERT_FALSE(search.places().empty());
-    const double best = best_by_trying_all(pyramid, landmarks, all_of(map), search.headings());
-    EXPECT_NEAR(search.places().front().score, best, 1e-12) << "seed " << seed;
-    EXPECT_TRUE(
-        std::ranges::is_sorted(search.places(), std::ranges::greater{}, &FoundPlace::score));
-    EXPECT_LE(search.max_score_of_rest(), search.places().back().score);
+    const SearchRegion any_height = all_of(map);
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (const SeenLandmark& landmark : landmarks) center += truth * landmark.p;
+    const double center_m = center.z() / static_cast<double>(landmarks.size());
+    SearchRegion known_height = any_height;
+    known_height.min_map.z() = center_m - pyramid.cell_m();
+    known_height.max_map.z() = center_m + pyramid.cell_m();
+    for (const double min_share : {0.5, 0.9, 1.0}) {
+      expect_all_found(seed, pyramid, landmarks, any_height, min_share);
+      expect_all_found(seed, pyramid, landmarks, known_height, min_share);
+    }
   }
 }
 
@@ -184,12 +232,39 @@ TEST(PlaceSearch, BearsALandmarkThatIsFarAwayByMistake) {
   }
 }
 
+TEST(PlaceSearch, ChoosesAmongThePositionsOfItsRegionWithEachHeading) {
+  const LaserMap map = StreetMap(1).map();
+  const MapPyramid pyramid(map, pyramid_config());
+  const SearchRegion region{.min_map = pyramid.cell_m() * Eigen::Vector3d(0.5, 10.5, 1.5),
+                            .max_map = pyramid.cell_m() * Eigen::Vector3d(19.5, 14.5, 3.5)};
+  const std::vector<SeenLandmark> landmarks = {{.p = {5.0, 0.0, 0.0}}, {.p = {-5.0, 0.0, 0.0}}};
+  const PlaceSearch search(pyramid, landmarks, region, kConfig);
+  EXPECT_EQ(PlaceSearch::candidates(pyramid, landmarks, region),
+            20.0 * 5.0 * 3.0 * search.headings());
+  // None moves a landmark, 5 m from their mean, by more than a cell.
+  EXPECT_NEAR(search.headings(), 2.0 * std::numbers::pi * 5.0 / pyramid.cell_m(), 1.0);
+}
+
+TEST(PlaceSearch, FindsNoPlaceThatExplainsAnythingWhereNothingStands) {
+  const LaserMap level = StreetMap(1, 0).map();
+  const MapPyramid pyramid(level, pyramid_config());
+  const std::vector<SeenLandmark> landmarks = {{.p = {5.0, 0.0, 2.0}}, {.p = {-5.0, 0.0, 2.0}}};
+  SearchRegion region = all_of(level);
+  for (const double height_m : {0.0, 20.0}) {
+    region.max_map.z() = region.min_map.z() + height_m;
+    PlaceSearch search(pyramid, landmarks, region, kConfig);
+    ASSERT_TRUE(search.advance(kAll));
+    for (const FoundPlace& place : search.places()) EXPECT_EQ(place.score, 0.0);
+  }
+}
+
 TEST(PlaceSearch, FindsNothingWithoutLandmarks) {
   const LaserMap map = StreetMap(1).map();
   const MapPyramid pyramid(map, pyramid_config());
   PlaceSearch search(pyramid, {}, all_of(map), kConfig);
   EXPECT_TRUE(search.advance(kAll));
   EXPECT_TRUE(search.places().empty());
+  EXPECT_EQ(PlaceSearch::candidates(pyramid, {}, all_of(map)), 0.0);
 }
 
 }  // namespace
