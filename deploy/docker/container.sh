@@ -1,8 +1,9 @@
 #!/bin/sh
 # fleetloc-container robot|cloud|drivers [OPTION...]   what the images start
 # Runs fleetloc-robot, fleetloc-cloud or fleetloc-play as the environment says, with further options
-# behind. What robots and localizers say goes to the container's log and to /runs/NAME.log, what they
-# write to /runs/NAME; what earlier starts have written is kept there as NAME.1, NAME.2 and so on.
+# behind. The keys of robots and localizers are in /keys, see deploy/packages/start.sh. What they say
+# goes to the container's log and to /runs/NAME.log, what they write to /runs/NAME; what earlier starts
+# have written is kept there as NAME.1, NAME.2 and so on.
 #
 # fleetloc-container is-written FILE                    their health check
 # Whether FILE of that folder has been written to within the last 5 s.
@@ -15,39 +16,21 @@ fail() {
   exit 2
 }
 
-# CONTAINER.NETWORK by each of this container's addresses, behind it.
-names() {
-  for address in $(hostname -i); do
-    getent -s dns hosts "$address" | awk '{print $1, $2; exit}'
-  done
-}
-
-# Puts the number that compose gives each container of a service in place of %n.
-numbered() {
-  case $1 in
-    *%n*)
-      name=$(names | awk '{sub(/[.].*/, "", $2); print $2; exit}')
-      number=${name##*[!0-9]}
-      [ -n "$number" ] || fail "'$1': this container's name '$name' ends with no number"
-      echo "${1%%%n*}$number${1#*%n}"
-      ;;
-    *) echo "$1" ;;
-  esac
-}
-
 # The file for --sensors. Where drivers are on a network: a copy for it, with one domain of ROS 2 for
 # the robot and the drivers of each number, of which the drivers look for the robot.
-sensors() {  # robot|drivers
+sensors() {  # robot|drivers NAME
   [ -n "${FLEETLOC_SENSORS_NETWORK:-}" ] || { echo "$FLEETLOC_SENSORS"; return; }
-  own=$(names | awk -v network="$FLEETLOC_SENSORS_NETWORK" '$2 ~ network "$" {print; exit}')
-  [ -n "$own" ] || fail "FLEETLOC_SENSORS_NETWORK: not in a network $FLEETLOC_SENSORS_NETWORK"
-  address=${own%% *} other=$address
+  domain=${2##*[!0-9]}
+  [ -n "$domain" ] || fail "'$2' does not end with a number, which says the domain of its sensors"
+  # CONTAINER.NETWORK stands behind each of this container's addresses.
+  address=$(for address in $(hostname -i); do getent -s dns hosts "$address" | head -n 1; done |
+    awk -v network="$FLEETLOC_SENSORS_NETWORK" '$2 ~ network "$" {print $1; exit}')
+  [ -n "$address" ] || fail "FLEETLOC_SENSORS_NETWORK: not in a network $FLEETLOC_SENSORS_NETWORK"
+  other=$address
   if [ "$1" = drivers ]; then
-    robot=$(echo "${own##* }" | sed 's/[.].*//; s/\(.*\)drivers/\1robot/')
-    other=$(getent ahostsv4 "$robot" | awk '{print $1; exit}')
-    [ -n "$other" ] || fail "no container $robot"
+    other=$(getent ahostsv4 "$2" | awk '{print $1; exit}')
+    [ -n "$other" ] || fail "FLEETLOC_ROBOT: no host $2"
   fi
-  domain=$(numbered %n) || exit
   profiles=$(echo /usr/share/fleetloc/*/qos_profiles)  # one in each image
   cp "$profiles/ros2.xml" /tmp
   sed "s/192\.168\.2\.1/$address/; s/192\.168\.2\.2/$other/" "$profiles/ros2-network.xml" \
@@ -89,13 +72,13 @@ part=${1:-}
 [ $# -eq 0 ] || shift
 case $part in
   robot)
-    name=$(numbered "$FLEETLOC_ROBOT_ID")
-    set -- --robot-id "$name" --qos "$FLEETLOC_QOS" --domain "$FLEETLOC_DOMAIN" \
+    name=$FLEETLOC_ROBOT_ID
+    set -- --robot-id "$name" --domain "$FLEETLOC_DOMAIN" \
       ${FLEETLOC_LINK:+--link "$FLEETLOC_LINK"} "$@"
     # Beside a dataset, the pose to start from.
     start=$FLEETLOC_DATASET.start
     if [ -n "${FLEETLOC_SENSORS:-}" ]; then
-      sensors=$(sensors robot)
+      sensors=$(sensors robot "$name")
       set -- --sensors "$sensors" --last-pose "/runs/$name.last_pose.yaml" "$@"
       [ ! -e "/runs/$name.last_pose.yaml" ] || start=
     else
@@ -106,12 +89,11 @@ case $part in
     fi
     ;;
   cloud)
-    name=$(numbered "$FLEETLOC_NAME")
-    set -- --map "$FLEETLOC_MAP" --name "$name" --qos "$FLEETLOC_QOS" --domain "$FLEETLOC_DOMAIN" \
-      "$@"
+    name=$FLEETLOC_NAME
+    set -- --map "$FLEETLOC_MAP" --name "$name" --domain "$FLEETLOC_DOMAIN" "$@"
     ;;
   drivers)
-    sensors=$(sensors drivers)
+    sensors=$(sensors drivers "$FLEETLOC_ROBOT")
     exec fleetloc-play "$FLEETLOC_DATASET" --sensors "$sensors" "$@"
     ;;
   is-written)
@@ -123,4 +105,4 @@ case $part in
 esac
 keep_earlier "$name"
 ln -sfn "/runs/$name" "$folder"
-run "/runs/$name.log" "fleetloc-$part" --out "/runs/$name" "$@"
+run "/runs/$name.log" "/usr/share/fleetloc/$part/start" "$part" /keys --out "/runs/$name" "$@"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# start robot|cloud FOLDER [OPTION...]   what the services start
+# start robot|cloud FOLDER [OPTION...]   what the services and the images start
 # Runs fleetloc-robot or fleetloc-cloud with the keys in FOLDER, and without them only where it is told
 # so. The environment says:
 #   FLEETLOC_SECURITY   on (default), or off: without keys, nothing is encrypted
@@ -48,6 +48,7 @@ case ${FLEETLOC_SECURITY:-on} in
   on)
     profile=wifi-secure
     keys=${copies:-$folder}
+    [ ! -d "$keys" ] || [ -x "$keys" ] || refuse "$folder: $(id -un) (user $(id -u)) may not read it"
     made="make them with 'fleet-keys.sh $member' and copy the files there"
     [ -f "$keys/key.pem" ] || refuse "no keys in $folder: $made, or set FLEETLOC_SECURITY=off"
     set -- --security "$keys" "$@"

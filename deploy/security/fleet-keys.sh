@@ -323,6 +323,9 @@ make_member() {
 # for_each_member FUNCTION: calls it with role and name.
 for_each_member() {
   for one_role in $roles; do
+    members=$dir/${one_role}s
+    [ ! -d "$members" ] || { [ -r "$members" ] && [ -x "$members" ]; } ||
+      fail "$members: not readable by $(id -un); whose is it?"
     for one in "$dir/${one_role}s"/*; do
       [ -d "$one" ] || continue
       "$1" "$one_role" "${one##*/}"

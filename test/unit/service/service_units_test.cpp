@@ -1,7 +1,11 @@
+#include <cstdio>
 #include <fstream>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
@@ -29,6 +33,11 @@ std::map<std::string, std::string> settings_of(const std::string& unit) {
 
 double draining_s() {
   return YAML::LoadFile(kDeploy + "config/cloud.yaml")["pool"]["draining"]["max_s"].as<double>();
+}
+
+/// Where a value of the compose file is left to the environment (`${NAME:-value}`): that value.
+std::string by_default(const std::string& value) {
+  return std::regex_replace(value, std::regex(R"(\$\{\w+:-([^}]*)\})"), "$1");
 }
 
 /// Value of a key of a service of the compose file, or of what it takes over by `<<`.
@@ -92,6 +101,68 @@ TEST(ComposeFile, GivesNoContainerRightsOrANetworkBeyondTheFleets) {
     EXPECT_EQ(setting_of(service.second, "cap_drop")[0].as<std::string>(), "ALL");
     EXPECT_FALSE(setting_of(service.second, "ports"));
     EXPECT_FALSE(setting_of(service.second, "privileged"));
+  }
+}
+
+/// Members of a fleet that a compose file has, each with its own keys.
+std::set<std::string> members_with_keys(const YAML::Node& compose) {
+  std::set<std::string> members;
+  for (const auto& entry : compose["services"]) {
+    const auto name = entry.first.as<std::string>();
+    SCOPED_TRACE(name);
+    std::vector<std::string> mounts;
+    for (const auto& volume : setting_of(entry.second, "volumes")) {
+      const auto text = volume.as<std::string>();
+      if (text.find("FLEETLOC_KEYS") != std::string::npos) mounts.push_back(text);
+    }
+    const bool is_localizer = name.starts_with("localizer_");
+    if (!is_localizer && !name.starts_with("robot_")) {
+      EXPECT_TRUE(mounts.empty());
+      continue;
+    }
+    const YAML::Node environment = setting_of(entry.second, "environment");
+    const auto variable = [&](const char* key) {
+      return by_default(setting_of(environment, key).as<std::string>());
+    };
+    EXPECT_EQ(variable("FLEETLOC_SECURITY"), "on");
+    EXPECT_TRUE(variable("FLEETLOC_QOS").ends_with("/nbiot-secure-peers.xml"))
+        << variable("FLEETLOC_QOS");
+    const std::string member = is_localizer ? "localizers/" + variable("FLEETLOC_NAME")
+                                            : "robots/" + variable("FLEETLOC_ROBOT_ID");
+    EXPECT_EQ(mounts.size(), 1U);
+    if (mounts.size() != 1) continue;
+    EXPECT_TRUE(mounts[0].ends_with("}/" + member + ":/keys:ro")) << mounts[0];
+    EXPECT_TRUE(members.insert(member).second) << "a second " << member;
+  }
+  return members;
+}
+
+TEST(ComposeFile, GivesWhoeverSpeaksDdsASecureProfileAndItsOwnKeysOnly) {
+  EXPECT_EQ(members_with_keys(YAML::LoadFile(kDeploy + "docker/compose.yml")).size(), 4U);
+}
+
+TEST(ComposeFile, IsRepeatedForFurtherRobotsEachWithItsOwnKeysAndDrivers) {
+  const std::string docker = kDeploy + "docker/";
+  const std::string command =
+      "awk -v east=12 -v west=2 -f " + docker + "robots.awk " + docker + "compose.yml";
+  std::string text;
+  FILE* const output = popen(command.c_str(), "r");
+  ASSERT_NE(output, nullptr);
+  for (int c = std::fgetc(output); c != EOF; c = std::fgetc(output)) {
+    text.push_back(static_cast<char>(c));
+  }
+  ASSERT_EQ(pclose(output), 0);
+  const YAML::Node compose = YAML::Load(text);
+  const std::set<std::string> members = members_with_keys(compose);
+  EXPECT_EQ(members.size(), 16U);
+  for (const char* id : {"robots/east_1", "robots/east_12", "robots/west_1", "robots/west_2"}) {
+    EXPECT_TRUE(members.contains(id)) << id;
+  }
+  for (const char* name : {"east_1", "east_12", "west_2"}) {
+    const YAML::Node drivers = compose["services"][std::string("drivers_") + name];
+    ASSERT_TRUE(drivers) << name;
+    EXPECT_EQ(drivers["environment"]["FLEETLOC_ROBOT"].as<std::string>(),
+              std::string("robot_") + name);
   }
 }
 
