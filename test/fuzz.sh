@@ -43,32 +43,11 @@ done
 # shellcheck disable=SC2086  # words on purpose
 set -- $targets
 
-# However this script ends, so does what it has started. Targets write their input to a file, which
-# is quickest in memory.
+# Targets write their input to a file, which is quickest in memory.
 scratch=$(mktemp -d -p /dev/shm 2>/dev/null || mktemp -d)
 export TMPDIR="$scratch"
-child=""
-end_child() {
-  trap - EXIT INT TERM HUP
-  if [ -n "$child" ]; then
-    kill -TERM "-$child" 2>/dev/null || true
-    wait "$child" 2>/dev/null || true
-  fi
-  rm -rf "$scratch"
-}
-trap end_child EXIT
-trap 'end_child; exit 130' INT
-trap 'end_child; exit 143' TERM HUP
-
-# Runs a command in a process group of its own. Signals are handled at once, not after it.
-run() {
-  setsid "$@" </dev/null &
-  child=$!
-  status=0
-  wait "$child" || status=$?
-  child=""
-  return $status
-}
+# shellcheck source=test/children.sh
+. test/children.sh
 
 # What libFuzzer says of itself.
 statistic() {

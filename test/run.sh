@@ -22,30 +22,9 @@ case $mode in
   *) usage ;;
 esac
 
-# However this script ends, so does what it has started.
 scratch=$(mktemp -d)
-child=""
-end_child() {
-  trap - EXIT INT TERM HUP
-  rm -rf "$scratch"
-  if [ -n "$child" ]; then
-    kill -TERM "-$child" 2>/dev/null || true
-    wait "$child" 2>/dev/null || true
-  fi
-}
-trap end_child EXIT
-trap 'end_child; exit 130' INT
-trap 'end_child; exit 143' TERM HUP
-
-# Runs a command in a process group of its own. Signals are handled at once, not after it.
-run() {
-  setsid "$@" </dev/null &
-  child=$!
-  status=0
-  wait "$child" || status=$?
-  child=""
-  return $status
-}
+# shellcheck source=test/children.sh
+. test/children.sh
 
 # What ran, and what was skipped and why. Fails if all of a group was skipped without an excuse.
 summarize() {

@@ -51,16 +51,8 @@ trap end EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
-failures=0
-expect() {
-  what=$1
-  shift
-  "$@" || {
-    echo "FAILED: $what" >&2
-    failures=$((failures + 1))
-  }
-}
-not() { ! "$@"; }
+# shellcheck source=test/expect.sh
+. "$root/test/expect.sh"
 
 container() {  # SERVICE: its container, while it runs
   docker ps --quiet --no-trunc --filter "label=com.docker.compose.project=$project" \

@@ -62,16 +62,8 @@ until in_it systemctl is-system-running 2>/dev/null | grep -q 'running\|degraded
   sleep 0.5
 done
 
-failures=0
-expect() {
-  what=$1
-  shift
-  "$@" || {
-    echo "FAILED: $what" >&2
-    failures=$((failures + 1))
-  }
-}
-not() { ! "$@"; }
+# shellcheck source=test/expect.sh
+. "$root/test/expect.sh"
 begin_log() { in_it sh -c 'journalctl --rotate -q; journalctl --vacuum-time=1s -q' 2>/dev/null; }
 log_of() { in_it journalctl -o cat -q -u "fleetloc-$1" | grep '^fleetloc-\|^localizer_1' || true; }
 logs() { log_of "$1" | grep -qF -- "$2" || { log_of "$1" >&2; return 1; }; }

@@ -9,15 +9,8 @@ trap 'rm -rf "$scratch"' EXIT
 fleet=$scratch/fleet
 umask 022  # the tool itself has to see to it that nothing is readable
 
-failures=0
-expect() {
-  what=$1
-  shift
-  "$@" || {
-    echo "FAILED: $what" >&2
-    failures=$((failures + 1))
-  }
-}
+# shellcheck source=test/expect.sh
+. "$root/test/expect.sh"
 keys() { "$root/deploy/security/fleet-keys.sh" --dir "$fleet" "$@"; }
 # says CODE TEXT WORDS...: the tool ends with that code and says that.
 says() {
@@ -35,7 +28,6 @@ says() {
 topics_of() { # of a kind of permission: publish or subscribe
   sed -n "/<$2>/,/<\/$2>/s/.*<topic>\(.*\)<\/topic>.*/\1/p" "$1/permissions.smime"
 }
-not() { ! "$@"; }
 
 expect "members need a CA" says 1 "make the CA" robot robot_7
 keys ca --fleet campus >"$scratch/said" 2>&1
