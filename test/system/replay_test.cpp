@@ -23,6 +23,8 @@ struct FlightCase {
   std::optional<double> first_pose_s = std::nullopt;
   double odometry_share = 0.0;  ///< of the frames
   double median_m = 0.0;        ///< in the map
+  double worst_m = 0.0;         ///< while it is localized
+  double nees = 2.0;            ///< in the map, per degree of freedom
   double share_in_map = 0.9;    ///< of the frames with a pose in it
 };
 void PrintTo(const FlightCase& one, std::ostream* stream) {
@@ -119,29 +121,39 @@ TEST_P(ReplayInAMap, IsLocalized) {
   EXPECT_THAT(errors.at("ate").at("median").get<double>(), Le(GetParam().median_m));
   EXPECT_THAT(errors.at("rotation_deg").at("median").get<double>(), Le(0.5));
   EXPECT_THAT(share, Ge(GetParam().share_in_map));
+  EXPECT_THAT(errors.at("nees").at("map").get<double>(), Le(GetParam().nees));
+  EXPECT_THAT(errors.at("confidence").at("worst_m").get<double>(), Le(GetParam().worst_m));
+  EXPECT_EQ(errors.at("confidence").at("confidently_wrong"), 0);
   EXPECT_THAT(parsed_json(folder / "sessions.json").size(), 1);
 
   std::vector<std::string> once = localized;
   once.emplace_back("--align-once");
   const auto control = replay("align_once", flight_.folder, once);
-  std::cout << "align once  " << run_errors(control, flight_).dump() << '\n';
+  const auto errors_once = run_errors(control, flight_);
+  std::cout << "align once  " << errors_once.dump() << '\n';
+  EXPECT_GT(errors_once.at("ate").at("median"), errors.at("ate").at("median"));
   EXPECT_EQ(parsed_json(control / "summary.json").at("answers_applied"), 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Simulated,
-    ReplayInAMap,
-    testing::Values(FlightCase{.name = "Room", .flight = simulated_room, .median_m = 0.03},
-                    FlightCase{.name = "Street",
-                               .flight = simulated_street,
-                               .median_m = 0.2,
-                               .share_in_map = 0.5}),
-    [](const auto& one) { return std::string(one.param.name); });
-INSTANTIATE_TEST_SUITE_P(Recorded,
+INSTANTIATE_TEST_SUITE_P(Simulated,
                          ReplayInAMap,
-                         testing::Values(FlightCase{
-                             .name = "Flight", .flight = vicon_room, .median_m = 0.03}),
+                         testing::Values(FlightCase{.name = "Room",
+                                                    .flight = simulated_room,
+                                                    .median_m = 0.03,
+                                                    .worst_m = 0.1},
+                                         FlightCase{.name = "Street",
+                                                    .flight = simulated_street,
+                                                    .median_m = 0.15,
+                                                    .worst_m = 0.25,
+                                                    .nees = 3.0,  // 2 is wanted
+                                                    .share_in_map = 0.5}),
                          [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Recorded,
+    ReplayInAMap,
+    testing::Values(FlightCase{
+        .name = "Flight", .flight = vicon_room, .median_m = 0.03, .worst_m = 0.1}),
+    [](const auto& one) { return std::string(one.param.name); });
 
 class RepeatedReplay : public Replay {};
 
