@@ -149,9 +149,12 @@ TEST_F(DdsChannelTest, HearsMoreRobotsThanTheLibrarysDefaultOfTen) {
 }
 
 TEST_F(DdsChannelTest, EndsWhileMessagesKeepArriving) {
+  // A writer that never rests would keep its lock from discovery, and so the other side away.
+  constexpr std::chrono::microseconds kBetween{200};
   const std::jthread traffic([&](const std::stop_token& stop) {
     for (std::uint32_t i = 0; !stop.stop_requested(); ++i) {
       robot_.send("cloud_2", numbered_submap(i), {});
+      std::this_thread::sleep_for(kBetween);
     }
   });
   for (int round = 0; round < 5; ++round) {
