@@ -208,6 +208,7 @@ void FirstPlace::note_explained() {
 // What fits too many places, or none, is looked for again when more has been seen. Places that were
 // followed until then still are.
 void FirstPlace::give_up() {
+  is_only_one_left_ = false;
   if (!hypotheses_.are_waiting()) {
     places_left_ = search_->places().size();
     return stop();
@@ -248,6 +249,7 @@ std::optional<Pose> FirstPlace::decide() {
   hypotheses_.keep_likely(static_cast<std::size_t>(config_.max_places));
   const std::vector<PlaceHypotheses::Place>& places = hypotheses_.places();
   places_left_ = places.size();
+  is_only_one_left_ = places_left_ == 1 && (is_whole_ || is_only_one_left_);
   ambiguous_.clear();
   if (places_left_ > 1) ambiguous_ = places;
   if (places_left_ != 1) return std::nullopt;

@@ -109,6 +109,10 @@ class FirstPlace {
   [[nodiscard]] bool is_ambiguous() const { return !ambiguous_.empty(); }
   [[nodiscard]] const std::vector<PlaceHypotheses::Place>& ambiguous() const { return ambiguous_; }
 
+  /// Whether the last search of the whole map has left one place. One that was given up has not:
+  /// more places explain as much than can be told apart.
+  [[nodiscard]] bool is_only_one_left() const { return is_only_one_left_; }
+
   /// That the last search could not tell apart, as far as it had come; 0 if none has ended.
   [[nodiscard]] std::size_t places_left() const { return places_left_; }
 
@@ -158,6 +162,7 @@ class FirstPlace {
   bool is_running_ = false;
   bool is_whole_ = false;              // what is running, or ran last, is of the whole map
   bool was_given_up_ = false;          // a search that began with it
+  bool is_only_one_left_ = false;      // after the last search of the whole map
   std::optional<PlaceSearch> search_;  // until it has ended
   std::vector<PlaceHypotheses::Place> ambiguous_;
   std::size_t places_left_ = 0;

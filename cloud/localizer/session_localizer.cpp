@@ -371,7 +371,8 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   TravelledPath path{dead_reckoning_.travelled_m(database_.window().front()),
                      dead_reckoning_.travelled_m(newest.id)};
   if (has_found_start()) {
-    if (first_place_->is_ambiguous()) return unexpected(Rejection::kAmbiguous);
+    if (first_place_->places_left() > 1) return unexpected(Rejection::kAmbiguous);
+    if (!first_place_->is_only_one_left()) return unexpected(Rejection::kUnconfirmed);
     path.searched_m = found_start_.searched_m();
   }
   const auto confirmed = acceptance_.confirm(fit, prediction.newest, newest.T_odom_body, path);

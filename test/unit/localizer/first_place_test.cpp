@@ -153,6 +153,34 @@ TEST(FirstPlace, IsLocalizedByTheSearchThatFindsItAgain) {
   ADD_FAILURE() << "never localized";
 }
 
+// A search that is given up has seen that more places fit than can be told apart.
+TEST(FirstPlace, IsNotLocalizedWhereTheLastSearchHasLeftMoreThanOne) {
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
+  const SimulatedSession robot({.seed = 1});
+  int doubted = 0;
+  int found = 0;
+  for (int max_evaluations = 460'000; max_evaluations <= 560'000; max_evaluations += 20'000) {
+    SessionLocalizer::Config config = with_searched_path(1.5);
+    config.confirmation.path_m = 6.0;
+    config.first_place.max_evaluations = max_evaluations;
+    config.first_place.turn_evaluations = 10'000;
+    SessionLocalizer localizer(without_start(robot), room_map(), config, pyramid);
+    bool was_found = false;
+    for (int i = 0; i < 40; ++i) {
+      const LocalizationResult answer = answer_to(localizer, robot, i);
+      const bool is_only_one = localizer.first_place()->is_only_one_left();
+      doubted += was_found && !is_only_one ? 1 : 0;
+      was_found = was_found || is_only_one;
+      if (answer.status != LocalizationStatus::kLocalized) continue;
+      EXPECT_TRUE(is_only_one) << max_evaluations << " looks, keyframe " << i;
+      ++found;
+      break;
+    }
+  }
+  EXPECT_GT(doubted, 0);
+  EXPECT_GT(found, 0);
+}
+
 // A place in the map of a room is one of half a million.
 TEST(FirstPlace, IsLookedForOnlyWithLandmarksEnoughToTellItFromAllOthers) {
   const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
