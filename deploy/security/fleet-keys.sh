@@ -326,7 +326,7 @@ for_each_member() {
     members=$dir/${one_role}s
     [ ! -d "$members" ] || { [ -r "$members" ] && [ -x "$members" ]; } ||
       fail "$members: not readable by $(id -un); whose is it?"
-    for one in "$dir/${one_role}s"/*; do
+    for one in "$members"/*; do
       [ -d "$one" ] || continue
       "$1" "$one_role" "${one##*/}"
     done
