@@ -17,6 +17,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static_cast<void>(pyramid->ground().at(1.0, -1.0));
   static_cast<void>(pyramid->value(min.x(), min.y(), min.z()));
   static_cast<void>(
-      pyramid->largest(pyramid->levels() - 1, pyramid->any_height(), min.x(), min.y()));
+      pyramid->windows(pyramid->levels() - 1, pyramid->any_height()).largest(min.x(), min.y()));
   return 0;
 }
