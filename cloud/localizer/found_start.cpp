@@ -5,7 +5,6 @@ namespace fleetloc {
 FoundStart::Config read_found_start_config(ConfigReader section) {
   return {.sigma_cells = section.positive("sigma_cells"),
           .sigma_rad = section.positive("sigma_rad"),
-          .shift_steps = section.integer("shift_steps", 1, 100),
           .max_way_m = section.positive("max_way_m"),
           .max_refused_way_m = section.positive("max_refused_way_m")};
 }

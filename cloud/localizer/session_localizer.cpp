@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
-#include <span>
 #include <utility>
 #include <vector>
 
 namespace fleetloc {
 namespace {
 
-constexpr std::size_t kBytesPerObservation = 700;  // residual block, factor and their places
 constexpr std::size_t kBytesPerLandmark = 900;
 constexpr int kMaxPlaces = 255;  // that an answer tells of
 
@@ -30,11 +28,6 @@ Matrix6d shift_covariance(const Eigen::Matrix2d& covariance_map, const Pose& T_m
   return result;
 }
 
-// [rad, m], as one number.
-double distance(const Pose& from, const Pose& to) {
-  return local_coordinates(from, to).norm();
-}
-
 }  // namespace
 
 SessionLocalizer::SessionLocalizer(const RobotSession& session,
@@ -46,9 +39,7 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
       config_(config),
       stereo_(session.stereo),
       database_(config_.database),
-      problem_(session.stereo, config_.database.window, config_.problem),
-      alignment_(*map_, config_.association, config_.alignment),
-      nearest_(*map_),
+      registration_(session.stereo, *map_, config_.database.window, config_.registration),
       dead_reckoning_(session.start, config_.drift),
       acceptance_(config_.acceptance, config_.confirmation, config_.place_doubt),
       found_start_(config_.found_start) {
@@ -60,8 +51,13 @@ SessionLocalizer::SessionLocalizer(const RobotSession& session,
     region =
         FirstPlace::Region{.where = *where, .p_odom = session.region->p_odom, .has_borders = true};
   }
-  const RigidAlignment::Gates gates{config_.rounds.widest_gate_m, config_.rounds.final_gate_m};
-  first_place_.emplace(*map_, std::move(pyramid), alignment_, gates, config_.first_place, region);
+  const auto& rounds = config_.registration.rounds;
+  first_place_.emplace(*map_,
+                       std::move(pyramid),
+                       registration_.alignment(),
+                       RigidAlignment::Gates{rounds.widest_gate_m, rounds.final_gate_m},
+                       config_.first_place,
+                       region);
 }
 
 void SessionLocalizer::add(const Submap& submap) {
@@ -90,12 +86,12 @@ LocalizationResult SessionLocalizer::localize() {
   const auto ready = acceptance_.check_window(dead_reckoning_.has_anchor(), window.size());
   if (!ready) return rejected(not_ready(ready.error()), diagnostics_of(window));
 
-  synchronize(window);
+  registration_.synchronize(database_, dead_reckoning_.T_map_odom());
   const Prediction prediction = predict(window);
   if (!prediction.is_early) early_look_.reset();
   const std::optional<Look> looked = prediction.is_rough ? look(prediction) : early_look_;
   restrain(prediction.before);
-  const MapFit fit = fit_to_map(prediction, window);
+  const MapFit fit = registration_.fit(prediction, database_, acceptance_);
   expected<Solution, Rejection> solution = accept(prediction, fit, looked);
 
   const LocalizationDiagnostics diagnostics = diagnostics_of(window, prediction, fit);
@@ -157,7 +153,7 @@ void SessionLocalizer::begin_search(double travelled_m) {
   if (!first_place_->is_due(way_m, travelled_m)) return;
   const SessionDatabase seen = unexplained();
   if (acceptance_.is_lost()) first_place_->forget_region();
-  WindowProblem problem(stereo_, config_.database.window, config_.problem);
+  WindowProblem problem(stereo_, config_.database.window, config_.registration.problem);
   problem.synchronize(seen, seen.placed(seen.window(), Pose{}));
   first_place_->begin({problem.landmarks(), seen.newest().item.T_odom_body}, travelled_m);
   search_way_m_ = way_m;
@@ -197,19 +193,11 @@ void SessionLocalizer::begin_anew(const std::optional<MapOdomEstimate>& start) {
   database_ = unexplained();
   localized_until_.reset();
   first_place_->begin_anew();
-  problem_.synchronize(database_, {});
+  registration_.clear(database_);
   dead_reckoning_ = DeadReckoning(start, config_.drift);
   dead_reckoning_.follow(database_.keyframes());
   acceptance_ = Acceptance(config_.acceptance, config_.confirmation, config_.place_doubt);
   early_look_.reset();
-  shift_profile_.reset();
-}
-
-// Brings the problem to the keyframes of the window, placed in the map (eq. 12). What it shares
-// with the window before stays in it, with its solution.
-void SessionLocalizer::synchronize(const std::vector<KeyframeId>& window) {
-  problem_.synchronize(database_, database_.placed(window, dead_reckoning_.T_map_odom()));
-  nearest_.forget([this](LandmarkId landmark) { return !problem_.has(landmark); });
 }
 
 // As long as the window has all that was localized, its place is looked for anew from the start
@@ -222,53 +210,34 @@ Prediction SessionLocalizer::predict(const std::vector<KeyframeId>& window) cons
   result.before = dead_reckoning_.before(window, database_);
   result.prior = dead_reckoning_.prior(window, database_);
   result.newest = dead_reckoning_.at(database_.newest().item);
-  result.gate_m = gate_m(result.prior);
-  const double tracking_gate_m = config_.rounds.tracking_gate_m;
+  result.gate_m = registration_.gate_m(result.prior.estimate);
+  const double tracking_gate_m = config_.registration.rounds.tracking_gate_m;
   if (result.is_early) {
     const auto& floors = config_.covariance_inflation;
     Matrix6d& start = result.before.estimate.covariance;
     start = raised_to(floors.start_floor_rad, floors.start_floor_m, start);
     if (result.gate_m > tracking_gate_m || is_look_due(window)) {
       result.prior = result.before;
-      result.gate_m = gate_m(result.prior);
+      result.gate_m = registration_.gate_m(result.prior.estimate);
     }
   }
   result.is_rough = result.gate_m > tracking_gate_m;
   return result;
 }
 
-// As wide as the odometry leaves the landmarks' places in the map uncertain.
-double SessionLocalizer::gate_m(const PosePrior& prior) const {
-  const auto& rounds = config_.rounds;
-  const double sigma_m = landmark_sigma(problem_.positions(), prior.estimate);
-  return std::clamp(rounds.gate_sigmas * sigma_m, rounds.tracking_gate_m, rounds.widest_gate_m);
-}
-
 bool SessionLocalizer::is_look_due(const std::vector<KeyframeId>& window) const {
   if (!early_look_ || !std::ranges::binary_search(window, early_look_->keyframe)) return true;
   const double way_m = dead_reckoning_.travelled_m(window.back()) - early_look_->travelled_m;
-  return way_m >= config_.rounds.early_look_way_m;
-}
-
-// The whole window as one rigid body, which is moved to its place.
-SessionLocalizer::Look SessionLocalizer::look(const Prediction& prediction) {
-  const RigidAlignment::Result aligned = align(prediction);
-  problem_.move(aligned.T_new_old);
-  return {.travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id),
-          .keyframe = prediction.prior.keyframe,
-          .rivals = aligned.rivals};
+  return way_m >= config_.registration.rounds.early_look_way_m;
 }
 
 // While the first place is unconfirmed, the one found last is a start as well.
-RigidAlignment::Result SessionLocalizer::align(const Prediction& prediction) const {
-  const KeyframeId keyframe = prediction.prior.keyframe;
-  const PoseWithCovariance prior{problem_.pose(keyframe), prediction.prior.estimate.covariance};
-  std::optional<Pose> guess;
-  if (const auto& T_map_odom = acceptance_.unconfirmed_T_map_odom()) {
-    guess = *T_map_odom * database_.keyframe(keyframe).item.T_odom_body * inverse(prior.T_map_body);
-  }
-  const RigidAlignment::Gates gates{prediction.gate_m, config_.rounds.final_gate_m};
-  return alignment_.align(problem_.landmarks(), prior, gates, guess);
+SessionLocalizer::Look SessionLocalizer::look(const Prediction& prediction) {
+  const RigidAlignment::Result aligned = registration_.align(
+      prediction.prior, prediction.gate_m, acceptance_.unconfirmed_T_map_odom(), database_);
+  return {.travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id),
+          .keyframe = prediction.prior.keyframe,
+          .rivals = aligned.rivals};
 }
 
 // By what is left of what was before the window. It has met errors that the window meets as well.
@@ -276,77 +245,7 @@ void SessionLocalizer::restrain(const PosePrior& before) {
   const auto& floors = config_.covariance_inflation;
   const Matrix6d covariance = before.estimate.covariance +
                               diagonal_covariance(floors.prior_floor_rad, floors.prior_floor_m);
-  problem_.set_prior(before.keyframe, before.estimate.T_map_body, covariance.inverse());
-}
-
-// Rounds of association and optimization of E_loc (eq. 16), with a gate that shrinks. They end
-// where the pose comes back to a place where it was: it has settled, or goes to and fro for ever;
-// or where acceptance will reject the window.
-MapFit SessionLocalizer::fit_to_map(const Prediction& prediction,
-                                    const std::vector<KeyframeId>& window) {
-  const auto& rounds = config_.rounds;
-  const Convergence& until = prediction.is_rough ? rounds.rough : rounds.tracking;
-  const KeyframeId newest = database_.newest().item.id;
-  MapFit fit;
-  std::vector<WindowLandmark> landmarks;
-  std::vector<Pose> visited;  // at the final gate
-  double gate_m = rounds.tracking_gate_m;
-  for (int round = 0; round < until.max_rounds; ++round) {
-    const Pose before = problem_.pose(newest);
-    landmarks = problem_.landmarks();
-    fit.association = associate(landmarks, *map_, gate_m, config_.association, nearest_);
-    if (!acceptance_.check_matches(fit.association)) break;
-    if (shift_profile_) shift_profile_->widen(fit.association.matches);
-    problem_.set_matches(fit.association.matches);
-    fit.add(problem_.solve(until.iterations, until.min_decrease));
-    if (!fit.is_solved) break;
-    fit.T_map_body = problem_.pose(newest);
-    fit.moved_m = distance(before, fit.T_map_body);
-    if ((round > 0 || !config_.shift_profile.is_used) && gate_m <= rounds.final_gate_m) {
-      visited.push_back(before);
-      const auto is_here = [&](const Pose& place) {
-        return distance(place, fit.T_map_body) < until.settled_m;
-      };
-      if (std::ranges::any_of(visited, is_here)) break;
-    }
-    if (round == 0 && config_.shift_profile.is_used) {
-      shift_profile_ = shift_profile(fit.association.matches, prediction);
-    }
-    gate_m = std::max(rounds.final_gate_m, rounds.shrink * gate_m);
-  }
-  if (!fit.is_solved) return fit;
-  keep_recent(landmarks, window);
-  fit.recent = associate(landmarks, *map_, gate_m, config_.association, nearest_);
-  fit.constraint =
-      analyze_map_constraint(fit.association.matches, config_.degeneracy.normal_sigma_rad);
-  fit.median_residual =
-      median_residual(fit.association.matches, problem_.positions(), config_.association);
-  fit.innovation_sigmas = acceptance_.innovation_sigmas(prediction.newest, fit.T_map_body);
-  return fit;
-}
-
-// What the window, as it was optimized with these matches, tells of its place beside that.
-ShiftProfile SessionLocalizer::shift_profile(const std::vector<MapMatch>& matches,
-                                             const Prediction& prediction) const {
-  ShiftProfileConfig config = config_.shift_profile;
-  if (prediction.is_found) config.steps = config_.found_start.shift_steps;
-  return {seen_without_map(problem_.landmarks(), matches, config_.problem.map_kernel),
-          *map_,
-          config_.rounds.final_gate_m,
-          config_.association,
-          config,
-          alignment_.rival_score()};
-}
-
-// Those that no older keyframe has seen; none as long as there is no older one.
-void SessionLocalizer::keep_recent(std::vector<WindowLandmark>& landmarks,
-                                   const std::vector<KeyframeId>& window) const {
-  const int older = static_cast<int>(window.size()) - config_.recent_keyframes;
-  if (older <= 0) return landmarks.clear();
-  const auto seen = database_.seen_by(std::span(window).first(static_cast<std::size_t>(older)));
-  std::erase_if(landmarks, [&seen](const WindowLandmark& landmark) {
-    return std::ranges::binary_search(seen, landmark.id);
-  });
+  registration_.restrain(before, covariance);
 }
 
 // The place first: the window is linearized only where its covariance is of use.
@@ -355,15 +254,17 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   const auto fits = acceptance_.check_fit(fit, prediction.is_start);
   if (!fits) return unexpected(fits.error());
 
-  WindowSystem system = problem_.system();
+  const WindowProblem& problem = registration_.problem();
+  WindowSystem system = problem.system();
   Matrix6d other_places = looked ? rivals_of_newest(*looked) : Matrix6d::Zero();
   // What a start pose tells of the place, a search does not: it has to be seen in the map.
-  if (prediction.is_found && !config_.shift_profile.is_used) {
-    const ShiftProfile profile = shift_profile(fit.association.matches, prediction);
+  if (prediction.is_found && !config_.registration.shift_profile.is_used) {
+    const ShiftProfile profile =
+        registration_.shift_profile(fit.association.matches, prediction.is_found);
     other_places += shift_covariance(profile.excess(), fit.T_map_body);
   }
   const auto stated = answer_covariance(
-      problem_, system, fit.constraint, config_.degeneracy, prediction, other_places);
+      problem, system, fit.constraint, config_.registration.degeneracy, prediction, other_places);
   const auto certain = acceptance_.check_certainty(stated, has_found_start());
   if (!certain) return unexpected(certain.error());
 
@@ -382,14 +283,16 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
 
 // Other places are those of the whole window: the newest pose moves rigidly with the keyframe.
 Matrix6d SessionLocalizer::rivals_of_newest(const Look& looked) const {
+  const WindowProblem& problem = registration_.problem();
   const Matrix6d A =
-      adjoint(inverse(problem_.pose(database_.newest().item.id)) * problem_.pose(looked.keyframe));
+      adjoint(inverse(problem.pose(database_.newest().item.id)) * problem.pose(looked.keyframe));
   return A * looked.rivals * A.transpose();
 }
 
 void SessionLocalizer::store(const PoseWithCovariance& newest) {
-  for (const auto& [id, T_map_body] : problem_.poses()) database_.store_solution(id, T_map_body);
-  for (const auto& [id, p_map] : problem_.positions()) database_.store_solution(id, p_map);
+  const WindowProblem& problem = registration_.problem();
+  for (const auto& [id, T_map_body] : problem.poses()) database_.store_solution(id, T_map_body);
+  for (const auto& [id, p_map] : problem.positions()) database_.store_solution(id, p_map);
   dead_reckoning_.restart(database_.newest().item, newest);
   localized_until_ = database_.newest().item.id;
   if (first_place_) first_place_->stop();
@@ -452,10 +355,8 @@ std::optional<Correction> SessionLocalizer::correction(Duration round_trip) cons
 }
 
 std::size_t SessionLocalizer::memory_bytes() const {
-  const auto observations = static_cast<std::size_t>(problem_.observations());
-  return sizeof(*this) + database_.memory_bytes() + observations * kBytesPerObservation +
-         database_.landmarks().size() * kBytesPerLandmark + nearest_.memory_bytes() +
-         (system_ ? system_->memory_bytes() : 0);
+  return sizeof(*this) + database_.memory_bytes() + registration_.memory_bytes() +
+         database_.landmarks().size() * kBytesPerLandmark + (system_ ? system_->memory_bytes() : 0);
 }
 
 }  // namespace fleetloc

@@ -14,13 +14,10 @@
 #include "cloud/localizer/localization_diagnostics.hpp"
 #include "cloud/localizer/map_correction.hpp"
 #include "cloud/localizer/map_fit.hpp"
-#include "cloud/localizer/nearest_neighbor_cache.hpp"
 #include "cloud/localizer/place_doubt.hpp"
 #include "cloud/localizer/prediction.hpp"
-#include "cloud/localizer/rigid_alignment.hpp"
 #include "cloud/localizer/session_database.hpp"
-#include "cloud/localizer/shift_profile.hpp"
-#include "cloud/localizer/window_problem.hpp"
+#include "cloud/localizer/window_registration.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/core/expected.hpp"
 #include "shared/model/localization_result.hpp"
@@ -46,23 +43,6 @@ namespace fleetloc {
 /// Deterministic, no threads, no clock.
 class SessionLocalizer {
  public:
-  /// When the rounds, and the solver in each of them, have converged.
-  struct Convergence {
-    int max_rounds;
-    int iterations;       ///< of the solver, in each round, at most
-    double min_decrease;  ///< relative, of the cost; a step that lowers it by less ends the round
-    double settled_m;  ///< a round at the final gate that moved the newest pose by less ends them
-  };
-  struct Rounds {
-    double final_gate_m;
-    double tracking_gate_m;   ///< of the first round, once the pose is known
-    double widest_gate_m;     ///< of the alignment, however uncertain the prior
-    double gate_sigmas;       ///< width of the first gate, in sigmas of the prior
-    double shrink;            ///< of the gate from round to round
-    double early_look_way_m;  ///< driven until an early window's place is looked for anew
-    Convergence tracking;     ///< while the pose is known
-    Convergence rough;        ///< otherwise: far from the optimum, steps are many and small
-  };
   struct CovarianceInflation {
     double floor_m;  ///< added to the standard deviations: systematic errors of map and stereo pair
     double floor_rad;
@@ -77,19 +57,13 @@ class SessionLocalizer {
   };
   struct Config {
     SessionDatabase::Config database;
-    WindowProblem::Config problem;
-    AssociationConfig association;
-    ShiftProfileConfig shift_profile;
-    RigidAlignment::Config alignment;
-    DegeneracyConfig degeneracy;
+    WindowRegistration::Config registration;
     DriftConfig drift;
-    Rounds rounds;
     Acceptance::Config acceptance;
     StartConfirmation::Config confirmation;
     FirstPlace::Config first_place;
     FoundStart::Config found_start;
     PlaceDoubt::Config place_doubt;
-    int recent_keyframes;  ///< the newest ones, of PlaceDoubt
     CovarianceInflation covariance_inflation;
     CorrectionConfig corrections;
   };
@@ -138,7 +112,7 @@ class SessionLocalizer {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  // Poses and landmarks of an accepted window are those of problem_.
+  // Poses and landmarks of an accepted window are those of registration_.
   struct Solution {
     PoseWithCovariance newest;  // without the floors
     WindowSystem system;
@@ -163,18 +137,10 @@ class SessionLocalizer {
   void start_at(const Pose& T_map_odom);
   void give_up_found_start();
   void begin_anew(const std::optional<MapOdomEstimate>& start);
-  void synchronize(const std::vector<KeyframeId>& window);
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
-  [[nodiscard]] double gate_m(const PosePrior& prior) const;
   [[nodiscard]] bool is_look_due(const std::vector<KeyframeId>& window) const;
   Look look(const Prediction& prediction);
-  [[nodiscard]] RigidAlignment::Result align(const Prediction& prediction) const;
   void restrain(const PosePrior& before);
-  MapFit fit_to_map(const Prediction& prediction, const std::vector<KeyframeId>& window);
-  [[nodiscard]] ShiftProfile shift_profile(const std::vector<MapMatch>& matches,
-                                           const Prediction& prediction) const;
-  void keep_recent(std::vector<WindowLandmark>& landmarks,
-                   const std::vector<KeyframeId>& window) const;
   expected<Solution, Rejection> accept(const Prediction& prediction,
                                        const MapFit& fit,
                                        const std::optional<Look>& looked);
@@ -188,16 +154,13 @@ class SessionLocalizer {
   Config config_;
   RectifiedStereo stereo_;
   SessionDatabase database_;
-  WindowProblem problem_;  // lives on from one localization to the next
-  RigidAlignment alignment_;
-  NearestNeighborCache nearest_;
+  WindowRegistration registration_;
   DeadReckoning dead_reckoning_;
   Acceptance acceptance_;
   std::optional<KeyframeId> localized_until_;
   std::optional<FirstPlace> first_place_;
   FoundStart found_start_;
-  double search_way_m_ = 0.0;                  // in the window of the search that began last
-  std::optional<ShiftProfile> shift_profile_;  // of the last window
+  double search_way_m_ = 0.0;       // in the window of the search that began last
   std::optional<Look> early_look_;  // the last one, while all that was localized is in the window
   std::optional<WindowSystem> system_;
   bool has_news_ = false;  // since the last localize()

@@ -154,6 +154,7 @@ ShiftProfileConfig read_shift_profile_config(ConfigReader section) {
   return {.is_used = section.get<bool>("is_used"),
           .step_m = section.positive("step_m"),
           .steps = section.integer("steps", 1, 100),
+          .found_steps = section.integer("found_steps", 1, 100),
           .max_landmarks = section.integer("max_landmarks", 10, 10000)};
 }
 

@@ -15,6 +15,7 @@ struct ShiftProfileConfig {
   bool is_used;       ///< by a session
   double step_m;      ///< between the shifts that are tried
   int steps;          ///< to either side, along each of two axes
+  int found_steps;    ///< the same for a place that a search has found
   int max_landmarks;  ///< evenly sampled; further ones repeat the errors of these
 };
 

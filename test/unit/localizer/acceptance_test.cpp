@@ -45,11 +45,12 @@ class AcceptanceTest : public testing::Test {
 
   static MapFit fit_of(const std::vector<WindowLandmark>& landmarks) {
     static const LaserMap map = yard();
-    const AssociationConfig& association = config().association;
+    const AssociationConfig& association = config().registration.association;
     LandmarkPositions positions;
     for (const WindowLandmark& landmark : landmarks) positions[landmark.id] = landmark.p_map;
     MapFit fit;
-    fit.association = associate(landmarks, map, config().rounds.final_gate_m, association);
+    fit.association =
+        associate(landmarks, map, config().registration.rounds.final_gate_m, association);
     fit.is_solved = true;
     fit.median_residual = median_residual(fit.association.matches, positions, association);
     return fit;

@@ -7,11 +7,8 @@ namespace fleetloc {
 namespace {
 
 FoundStart found_after_7_m() {
-  FoundStart start({.sigma_cells = 2.0,
-                    .sigma_rad = 0.05,
-                    .shift_steps = 10,
-                    .max_way_m = 25.0,
-                    .max_refused_way_m = 5.0});
+  FoundStart start(
+      {.sigma_cells = 2.0, .sigma_rad = 0.05, .max_way_m = 25.0, .max_refused_way_m = 5.0});
   start.begin(7.0, 6.0);
   return start;
 }

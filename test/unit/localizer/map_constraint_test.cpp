@@ -154,7 +154,7 @@ TEST(Association, SharesTheInformationOfACellAndWidensTheGateByUncertainty) {
     points.push_back({{0.1F * x, 0.1F * y, 0.0F}, Eigen::Vector3f::UnitZ(), 1.0F});
   }
   const LaserMap map(points, {.frame = "map", .resolution_m = 0.1});
-  const AssociationConfig config = localizer_config().association;
+  const AssociationConfig config = localizer_config().registration.association;
   const auto landmark = [](unsigned id, double x, double z) {
     return WindowLandmark{
         LandmarkId{id}, {x, 0.05, z}, {0.5, 0.5, 2.0}, 1e-6 * Eigen::Matrix3d::Identity()};

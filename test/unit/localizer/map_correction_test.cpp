@@ -152,7 +152,7 @@ TEST(MapCorrection, IsHonestItemByItemAndTogetherAndBetterThanTheRobotAlone) {
 struct Window {
   explicit Window(const SimulatedSession& robot)
       : database(localizer_config().database),
-        problem(robot.run().stereo(), 40, localizer_config().problem) {
+        problem(robot.run().stereo(), 40, localizer_config().registration.problem) {
     constexpr int kKeyframes = 20;
     std::map<KeyframeId, Pose> poses;
     for (int i = 0; i < kKeyframes; ++i) {

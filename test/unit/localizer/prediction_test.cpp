@@ -20,7 +20,7 @@ TEST(Prediction, IsAsUncertainFarAwayAsItsHeading) {
 }
 
 TEST(MapFit, MeasuresMatchesInTheirOwnStandardDeviations) {
-  const AssociationConfig config = localizer_config().association;
+  const AssociationConfig config = localizer_config().registration.association;
   MapMatch plane;
   plane.landmark.id = LandmarkId{1};
   plane.is_planar = true;

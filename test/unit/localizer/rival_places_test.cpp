@@ -70,7 +70,7 @@ std::vector<WindowLandmark> landmarks_of_facade(bool has_end) {
 /// One sigma along the facade by its rivals, of a robot that is known to half a metre.
 double rivals_along_m(bool has_end) {
   const LaserMap map = map_of_facade(has_end);
-  const auto config = localizer_config();
+  const auto config = localizer_config().registration;
   Vector6d sigmas;
   sigmas << 0.02, 0.02, 0.02, 0.5, 0.1, 0.1;
   const PoseWithCovariance prior{.T_map_body = Pose{},

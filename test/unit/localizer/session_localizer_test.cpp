@@ -33,7 +33,7 @@ SessionLocalizer localizer_for(const SimulatedSession& robot) {
 // Of the latest answer.
 long weak_directions(const SessionLocalizer& localizer) {
   const Vector6d& sigmas_m = localizer.diagnostics().map_sigmas_m;
-  return (sigmas_m.array() > localizer_config().degeneracy.weak_sigma_m).count();
+  return (sigmas_m.array() > localizer_config().registration.degeneracy.weak_sigma_m).count();
 }
 
 TEST(SessionLocalizer, FindsARoughlyKnownStartInARoomHonestlyForEverySeed) {
@@ -333,7 +333,7 @@ std::shared_ptr<const LaserMap> map_with_other_end_walls(std::uint64_t seed) {
 TEST(SessionLocalizer, IsLessSureOfAPlaceThatFitsByChance) {
   constexpr int kSeeds = 10;
   SessionLocalizer::Config config = localizer_config();
-  config.shift_profile.is_used = true;
+  config.registration.shift_profile.is_used = true;
   double sum = 0.0;
   double worst = 0.0;
   int count = 0;

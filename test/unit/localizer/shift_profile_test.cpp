@@ -20,7 +20,7 @@ constexpr double kTemperature = 10.0;
 constexpr double kObject_m = 2.0;  // length along a wall of what was moved together
 
 ShiftProfile profile_of(const std::vector<WindowLandmark>& landmarks, const LaserMap& map) {
-  const auto config = localizer_config();
+  const auto config = localizer_config().registration;
   return {landmarks,
           map,
           config.rounds.final_gate_m,
@@ -87,7 +87,7 @@ double information_along(const std::vector<MapMatch>& matches, const Eigen::Vect
 
 TEST(ShiftProfile, WidensTheMatchesAlongThatAxisAlone) {
   const LaserMap map = yard();
-  const auto config = localizer_config();
+  const auto config = localizer_config().registration;
   auto landmarks = changed_across_x(0.9, 1);
   const ShiftProfile profile = profile_of(landmarks, map);
   for (WindowLandmark& landmark : landmarks) landmark.covariance *= 1e-6;

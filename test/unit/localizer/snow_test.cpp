@@ -11,7 +11,7 @@ namespace {
 
 TEST(Snow, CountsWhatWouldBeUnderTheGroundButNotWhatIsAboveIt) {
   const LaserMap map = yard();
-  const auto config = localizer_config();
+  const auto config = localizer_config().registration;
   const double gate_m = config.rounds.final_gate_m;
   const auto landmarks = landmarks_of_yard(0.3);
   const Association right = associate(landmarks, map, gate_m, config.association);
@@ -25,7 +25,7 @@ TEST(Snow, CountsWhatWouldBeUnderTheGroundButNotWhatIsAboveIt) {
 
 TEST(Snow, DoesNotPullAStartUnderTheGround) {
   const LaserMap map = yard();
-  const auto config = localizer_config();
+  const auto config = localizer_config().registration;
   const RigidAlignment alignment(map, config.association, config.alignment);
   const PoseWithCovariance prior{.T_map_body = Pose{}, .covariance = start_covariance()};
   const RigidAlignment::Gates gates{1.0, config.rounds.final_gate_m};
