@@ -1,8 +1,6 @@
 #include "shared/transport/wire_transport.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <functional>
 #include <utility>
 #include <vector>
 
@@ -13,6 +11,7 @@
 #include <fastrtps/utils/IPLocator.h>
 
 #include "shared/link/datagrams.hpp"
+#include "shared/transport/datagram_sender.hpp"
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/discovery_pacing.hpp"
 #include "shared/transport/latest_announcement.hpp"
@@ -36,19 +35,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPatience{100};      // with a socket, for what is sent later
-constexpr std::chrono::milliseconds kBetweenCopies{25};  // so that one burst does not take them all
-constexpr std::size_t kShortHandshakeBytes = 2000;       // without certificate and permissions
-
-bool transmit(rtps::SenderResource& socket,
-              RtpsBytes datagram,
-              const fdr::LocatorList& destinations,
-              Clock::time_point timeout) {
-  rtps::Locators first(destinations.begin());
-  rtps::Locators last(destinations.end());
-  const auto size = static_cast<std::uint32_t>(datagram.size());
-  return socket.send(datagram.data(), size, &first, &last, timeout);
-}
+constexpr std::size_t kShortHandshakeBytes = 2000;  // without certificate and permissions
 
 /// Keeps the settings of the transport that it wraps.
 class WireDescriptor final : public fdr::ChainingTransportDescriptor {
@@ -76,8 +63,8 @@ class WireTransport final : public fdr::ChainingTransport {
   explicit WireTransport(const WireDescriptor& descriptor)
       : ChainingTransport(descriptor),
         descriptor_(descriptor),
-        has_whitelist_(descriptor.has_whitelist()),
         link_(descriptor.link()),
+        sender_(*link_, delay_line_, descriptor.has_whitelist()),
         discovery_(link_->role, link_->max_discovery_bytes_per_s),
         repetition_(link_->max_copies),
         // A robot's narrow link bears no copies for somebody who may not hear it.
@@ -136,62 +123,24 @@ class WireTransport final : public fdr::ChainingTransport {
   void announce_to_all(Clock::time_point due);
   /// In so many copies.
   void announce(const LatestAnnouncement::Sent& announcement, int copies);
-  /// For later, to one destination; copies the datagram.
-  std::function<void()> passed_on(rtps::SenderResource* socket,
-                                  RtpsBytes datagram,
-                                  const rtps::Locator_t& to);
-  /// The same again a little later.
-  std::function<void()> twice(std::function<void()> send);
   /// More of what the library repeats.
   void repeat_where_it_is_lost(rtps::SenderResource* socket,
                                RtpsBytes datagram,
                                const fdr::LocatorList& destinations,
                                Clock::time_point now);
-  /// A number of them, one after the other.
-  void send_copies(rtps::SenderResource* socket,
-                   RtpsBytes datagram,
-                   const rtps::Locator_t& to,
-                   int number,
-                   Clock::time_point now);
-  /// What comes behind the selection of destinations.
-  bool pass_on(rtps::SenderResource* socket,
-               RtpsBytes datagram,
-               const fdr::LocatorList& destinations,
-               Clock::time_point timeout);
-  bool transmit_or_emulate(rtps::SenderResource* socket,
-                           RtpsBytes datagram,
-                           const fdr::LocatorList& destinations,
-                           Clock::time_point timeout);
-  /// Copies the datagram: the library's buffer is valid in this call only.
-  void send_later(rtps::SenderResource* socket,
-                  RtpsBytes datagram,
-                  const rtps::Locator_t& to,
-                  Clock::time_point due);
   /// What comes behind the emulated link; on the thread of the delay line if there is one.
   void deliver(fdr::TransportReceiverInterface& receiver,
                RtpsBytes datagram,
                const rtps::Locator_t& local,
                const rtps::Locator_t& remote);
 
-  // Fast DDS gives a datagram to all sockets of a UDP transport. Without a whitelist the first one
-  // sends it to every address (a multicast on loopback only), the others, one an interface, send
-  // multicasts only; with a whitelist every socket sends to every address.
-  [[nodiscard]] bool sends(const rtps::SenderResource* socket, const rtps::Locator_t& to) const {
-    return counts(socket) || rtps::IPLocator::isMulticast(to);
-  }
-  // A multicast counts once, not on every interface.
-  [[nodiscard]] bool counts(const rtps::SenderResource* socket) const {
-    return has_whitelist_ || socket == first_socket_;
-  }
-
   WireDescriptor descriptor_;
-  bool has_whitelist_;
   std::shared_ptr<WireLink> link_;
+  DatagramSender sender_;
   RouteCache routes_;  // with each participant anew, so after each change of addresses
   OwnDatagrams own_;
   GapBudget gaps_;
   InitialAckPacing initial_acks_;
-  std::atomic<rtps::SenderResource*> first_socket_ = nullptr;
   DiscoveryPacing discovery_;
   RepetitionCopies repetition_;
   AnnouncementRepetition strangers_;
@@ -233,13 +182,11 @@ bool WireTransport::send(rtps::SenderResource* socket,
                          const std::chrono::steady_clock::time_point& timeout) {
   const RtpsBytes datagram = without_statistics({buffer, size});
   const Clock::time_point now = Clock::now();
-  rtps::SenderResource* none = nullptr;  // yet; they are called in their order
-  if (first_socket_ == none && first_socket_.compare_exchange_strong(none, socket) &&
-      link_->role == ChannelRole::kRobot && link_->max_copies > 1) {
+  if (sender_.begins_with(socket) && link_->role == ChannelRole::kRobot && link_->max_copies > 1) {
     announce_to_all(now + AnnouncementRepetition::kFirstToAll);
   }
   own_.sent(datagram);
-  if (socket == first_socket_ && !initial_acks_.passes(datagram, now)) return true;
+  if (sender_.is_first(socket) && !initial_acks_.passes(datagram, now)) return true;
   if (is_handshake_for_another(datagram)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
   announcement_.sent(socket, datagram, destinations);
@@ -255,34 +202,17 @@ bool WireTransport::send_as_often_as_needed(rtps::SenderResource* socket,
   const auto limited = discovery_.limited(datagram, locator_of(*destinations.begin()));
   if (!limited) {
     repeat_where_it_is_lost(socket, datagram, destinations, Clock::now());
-    return pass_on(socket, datagram, destinations, timeout);
+    return sender_.send(socket, datagram, destinations, timeout);
   }
   for (const rtps::Locator_t& to : destinations) {
-    if (!sends(socket, to)) continue;
-    auto send = passed_on(socket, datagram, to);
-    if (limited->is_handshake && datagram.size() < kShortHandshakeBytes) send = twice(send);
+    if (!sender_.reaches(socket, to)) continue;
+    auto send = sender_.sending(socket, datagram, to);
+    // The last message of an authentication, which its sender repeats only if it hears the one
+    // before again, and that is four times as long.
+    if (limited->is_handshake && datagram.size() < kShortHandshakeBytes) send = sender_.twice(send);
     discovery_.send_later(*limited, datagram.size(), socket, locator_of(to), send, delay_line_);
   }
   return true;
-}
-
-std::function<void()> WireTransport::passed_on(rtps::SenderResource* socket,
-                                               RtpsBytes datagram,
-                                               const rtps::Locator_t& to) {
-  return [this, socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
-    fdr::LocatorList destination;
-    destination.push_back(to);
-    pass_on(socket, copy, destination, Clock::now() + kPatience);
-  };
-}
-
-// The last message of an authentication, which its sender repeats only if it hears the one before
-// again, and that is four times as long.
-std::function<void()> WireTransport::twice(std::function<void()> send) {
-  return [this, send = std::move(send)] {
-    send();
-    delay_line_.at(Clock::now() + kBetweenCopies, send);
-  };
 }
 
 void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
@@ -295,67 +225,16 @@ void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
   const auto repeated = RepeatedDatagram::read(datagram);
   if (!repeated || repeated->is_handshake) return;  // copies of those were no gain
   for (const rtps::Locator_t& to : destinations) {
-    if (!sends(socket, to)) continue;
+    if (!sender_.reaches(socket, to)) continue;
     RepeatedDatagram addressed = *repeated;
     addressed.address_to(socket, locator_of(to));
-    send_copies(
+    sender_.send_copies(
         socket,
         datagram,
         to,
         repetition_.copies(addressed, locator_of(to), datagram.size() + kIpUdpBytes, now) - 1,
         now);
   }
-}
-
-void WireTransport::send_copies(rtps::SenderResource* socket,
-                                RtpsBytes datagram,
-                                const rtps::Locator_t& to,
-                                int number,
-                                Clock::time_point now) {
-  for (int i = 1; i <= number; ++i) {
-    delay_line_.at(now + i * kBetweenCopies, passed_on(socket, datagram, to));
-  }
-}
-
-bool WireTransport::pass_on(rtps::SenderResource* socket,
-                            RtpsBytes datagram,
-                            const fdr::LocatorList& destinations,
-                            Clock::time_point timeout) {
-  if (link_->start.is_closed()) {
-    const std::vector copy(datagram.begin(), datagram.end());
-    link_->start.hold([this, socket, copy, destinations] {
-      transmit_or_emulate(socket, copy, destinations, Clock::now() + kPatience);
-    });
-    return true;
-  }
-  return transmit_or_emulate(socket, datagram, destinations, timeout);
-}
-
-bool WireTransport::transmit_or_emulate(rtps::SenderResource* socket,
-                                        RtpsBytes datagram,
-                                        const fdr::LocatorList& destinations,
-                                        Clock::time_point timeout) {
-  const auto bytes = static_cast<std::uint32_t>(datagram.size());
-  if (counts(socket)) link_->traffic.sent(bytes, destinations.size());
-  if (!link_->emulated) return transmit(*socket, datagram, destinations, timeout);
-  for (const rtps::Locator_t& to : destinations) {
-    if (!sends(socket, to)) continue;
-    for (const Clock::time_point due : link_->emulated->outgoing_at(bytes, Clock::now())) {
-      send_later(socket, datagram, to, due);
-    }
-  }
-  return true;
-}
-
-void WireTransport::send_later(rtps::SenderResource* socket,
-                               RtpsBytes datagram,
-                               const rtps::Locator_t& to,
-                               Clock::time_point due) {
-  delay_line_.at(due, [socket, to, copy = std::vector(datagram.begin(), datagram.end())] {
-    fdr::LocatorList destination;
-    destination.push_back(to);
-    transmit(*socket, copy, destination, Clock::now() + kPatience);
-  });
 }
 
 // Called by Fast DDS with the addresses of each participant, again whenever they change.
@@ -452,9 +331,10 @@ void WireTransport::announce(const LatestAnnouncement::Sent& announcement, int c
   const Clock::time_point now = Clock::now();
   for (rtps::SenderResource* socket : announcement.sockets) {
     send_as_often_as_needed(
-        socket, announcement.datagram, announcement.destinations, now + kPatience);
+        socket, announcement.datagram, announcement.destinations, now + DatagramSender::kPatience);
     for (const rtps::Locator_t& to : announcement.destinations) {
-      if (sends(socket, to)) send_copies(socket, announcement.datagram, to, copies - 1, now);
+      if (!sender_.reaches(socket, to)) continue;
+      sender_.send_copies(socket, announcement.datagram, to, copies - 1, now);
     }
   }
 }
