@@ -15,7 +15,7 @@ class FoundStart {
   struct Config {
     double sigma_cells;  ///< of the pose, in cells of the pyramid
     double sigma_rad;
-    double max_way_m;  ///< driven without a localization, and
+    double max_way_m;          ///< driven without a localization, and
     double max_refused_way_m;  ///< while all windows speak against it: then it is given up
   };
 
