@@ -233,19 +233,23 @@ bool SessionLocalizer::is_look_due(const std::vector<KeyframeId>& window) const 
 
 // While the first place is unconfirmed, the one found last is a start as well.
 SessionLocalizer::Look SessionLocalizer::look(const Prediction& prediction) {
-  const RigidAlignment::Result aligned = registration_.align(
-      prediction.prior, prediction.gate_m, acceptance_.unconfirmed_T_map_odom(), database_);
+  const KeyframeId keyframe = prediction.prior.keyframe;
+  std::optional<Pose> guess;
+  if (const auto& T_map_odom = acceptance_.unconfirmed_T_map_odom()) {
+    guess = *T_map_odom * database_.keyframe(keyframe).item.T_odom_body;
+  }
+  const RigidAlignment::Result aligned =
+      registration_.align(prediction.prior, prediction.gate_m, guess);
   return {.travelled_m = dead_reckoning_.travelled_m(database_.newest().item.id),
-          .keyframe = prediction.prior.keyframe,
+          .keyframe = keyframe,
           .rivals = aligned.rivals};
 }
 
 // By what is left of what was before the window. It has met errors that the window meets as well.
-void SessionLocalizer::restrain(const PosePrior& before) {
+void SessionLocalizer::restrain(PosePrior before) {
   const auto& floors = config_.covariance_inflation;
-  const Matrix6d covariance = before.estimate.covariance +
-                              diagonal_covariance(floors.prior_floor_rad, floors.prior_floor_m);
-  registration_.restrain(before, covariance);
+  before.estimate.covariance += diagonal_covariance(floors.prior_floor_rad, floors.prior_floor_m);
+  registration_.restrain(before);
 }
 
 // The place first: the window is linearized only where its covariance is of use.

@@ -140,7 +140,7 @@ class SessionLocalizer {
   [[nodiscard]] Prediction predict(const std::vector<KeyframeId>& window) const;
   [[nodiscard]] bool is_look_due(const std::vector<KeyframeId>& window) const;
   Look look(const Prediction& prediction);
-  void restrain(const PosePrior& before);
+  void restrain(PosePrior before);
   expected<Solution, Rejection> accept(const Prediction& prediction,
                                        const MapFit& fit,
                                        const std::optional<Look>& looked);

@@ -62,22 +62,20 @@ double WindowRegistration::gate_m(const PoseWithCovariance& prior) const {
 
 RigidAlignment::Result WindowRegistration::align(const PosePrior& prior,
                                                  double gate_m,
-                                                 const std::optional<Pose>& guess_odom,
-                                                 const SessionDatabase& database) {
+                                                 const std::optional<Pose>& guess) {
   const Pose T_map_body = problem_.pose(prior.keyframe);
-  std::optional<Pose> guess;
-  if (guess_odom) {
-    guess = *guess_odom * database.keyframe(prior.keyframe).item.T_odom_body * inverse(T_map_body);
-  }
+  std::optional<Pose> T_new_old;
+  if (guess) T_new_old = *guess * inverse(T_map_body);
   const RigidAlignment::Gates gates{gate_m, config_.rounds.final_gate_m};
-  const RigidAlignment::Result aligned =
-      alignment_.align(problem_.landmarks(), {T_map_body, prior.estimate.covariance}, gates, guess);
+  const RigidAlignment::Result aligned = alignment_.align(
+      problem_.landmarks(), {T_map_body, prior.estimate.covariance}, gates, T_new_old);
   problem_.move(aligned.T_new_old);
   return aligned;
 }
 
-void WindowRegistration::restrain(const PosePrior& before, const Matrix6d& covariance) {
-  problem_.set_prior(before.keyframe, before.estimate.T_map_body, covariance.inverse());
+void WindowRegistration::restrain(const PosePrior& before) {
+  problem_.set_prior(
+      before.keyframe, before.estimate.T_map_body, before.estimate.covariance.inverse());
 }
 
 // They end where the pose comes back to a place where it was: it has settled, or goes to and fro

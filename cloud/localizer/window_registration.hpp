@@ -69,14 +69,13 @@ class WindowRegistration {
   [[nodiscard]] double gate_m(const PoseWithCovariance& prior) const;
 
   /// The whole window as one rigid body, which is moved to its place.
-  /// @param guess_odom  T_map_odom, another place to start from
+  /// @param guess  T_map_body of the prior's keyframe, another place to start from
   RigidAlignment::Result align(const PosePrior& prior,
                                double gate_m,
-                               const std::optional<Pose>& guess_odom,
-                               const SessionDatabase& database);
+                               const std::optional<Pose>& guess);
 
   /// By what is known of a pose without the window.
-  void restrain(const PosePrior& before, const Matrix6d& covariance);
+  void restrain(const PosePrior& before);
 
   /// Rounds with a gate that shrinks, until the window has settled or acceptance will reject it.
   MapFit fit(const Prediction& prediction,

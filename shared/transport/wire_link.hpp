@@ -16,7 +16,7 @@
 namespace fleetloc {
 
 /// What is known of a channel's datagrams for longer than one of its participants lives. Each
-/// member stands alone, and any thread may use it; wire_transport.cpp has their order.
+/// member stands alone, and any thread may use it; shared/README.md has their order.
 struct WireLink {
   WireLink(ChannelRole its_role, const std::optional<LinkConfig>& link) : role(its_role) {
     if (link) emulated.emplace(its_role, *link);
