@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -9,6 +10,8 @@
 
 namespace fleetloc {
 namespace {
+
+constexpr int kSweeps = 20;
 
 double yaw_of(std::size_t step, std::size_t steps) {
   return 2.0 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
@@ -37,7 +40,7 @@ Pose turned_about_z(double yaw_rad, const Eigen::Vector3d& p) {
 }  // namespace
 
 PlaceSearch::PlaceSearch(const MapPyramid& map,
-                         const std::vector<SeenLandmark>& landmarks,
+                         std::vector<SeenLandmark> landmarks,
                          const SearchRegion& region,
                          const Config& config)
     : map_(map),
@@ -47,16 +50,22 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
       last_(floored(region.max_map / map.cell_m())) {
   if (landmarks.empty()) return;
   center_ = mean_of(landmarks);
+  // The heaviest first: they lower bounds the most.
+  std::ranges::stable_sort(landmarks, std::greater<>(), &SeenLandmark::weight);
   for (const SeenLandmark& landmark : landmarks) {
     weights_.push_back(landmark.weight);
     full_score_ += MapPyramid::kFull * landmark.weight;
   }
   turn(landmarks);
+  sweep_from_ = full_score_ + 1;
+  const Eigen::Vector3i size = last_ - first_ + Eigen::Vector3i::Ones();
+  const int edge = 1 << (map.levels() - 1);
+  roots_ = (size.cwiseMax(0).head<2>().array() + (edge - 1)) / edge;
+  waiting_.resize(static_cast<std::size_t>(roots_.prod()) * turned_.back().size());
   const bool is_height_known = last_.z() - first_.z() <= 2;
   windows_.resize(static_cast<std::size_t>(map.levels()));
-  for (const Turned& landmark : turned_.front().front()) {
-    const int slab =
-        is_height_known ? map.slab_of(first_.z() + 1 + landmark.cell.z()) : map.any_height();
+  for (const int height : heights_) {
+    const int slab = is_height_known ? map.slab_of(first_.z() + 1 + height) : map.any_height();
     for (int level = 0; level < map.levels(); ++level) {
       windows_[static_cast<std::size_t>(level)].push_back(&map.windows(level, slab));
     }
@@ -65,6 +74,10 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
 
 // At each heading, and in blocks of two, four and so on.
 void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
+  for (const SeenLandmark& landmark : landmarks) {
+    heights_.push_back(
+        static_cast<int>(std::floor((landmark.p.z() - center_.z()) / map_.cell_m())));
+  }
   std::vector<Landmarks> headings(headings_for(landmarks, map_.cell_m()));
   for (std::size_t yaw = 0; yaw < headings.size(); ++yaw) {
     const double angle = yaw_of(yaw, headings.size());
@@ -72,8 +85,8 @@ void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
     const double s = std::sin(angle);
     for (const SeenLandmark& landmark : landmarks) {
       const Eigen::Vector3d p = (landmark.p - center_) / map_.cell_m();
-      headings[yaw].push_back(
-          {.cell = floored({c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z()})});
+      headings[yaw].push_back({.x = static_cast<int>(std::floor(c * p.x() - s * p.y())),
+                               .y = static_cast<int>(std::floor(s * p.x() + c * p.y()))});
     }
   }
   turned_.push_back(std::move(headings));
@@ -88,13 +101,16 @@ void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
 }
 
 PlaceSearch::Landmarks PlaceSearch::joined(const Landmarks& block, const Landmarks& next) {
-  Landmarks result = block;
+  Landmarks result(block.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
-    const Eigen::Vector2i a = block[i].cell.head<2>();
-    const Eigen::Vector2i b = next[i].cell.head<2>();
-    const Eigen::Vector2i end = (a + block[i].extent).cwiseMax(b + next[i].extent);
-    result[i].cell.head<2>() = a.cwiseMin(b);
-    result[i].extent = end - result[i].cell.head<2>();
+    const Turned& a = block[i];
+    const Turned& b = next[i];
+    const int x = std::min(a.x, b.x);
+    const int y = std::min(a.y, b.y);
+    result[i] = {.x = x,
+                 .y = y,
+                 .wide = static_cast<std::uint16_t>(std::max(a.x + a.wide, b.x + b.wide) - x),
+                 .deep = static_cast<std::uint16_t>(std::max(a.y + a.deep, b.y + b.deep) - y)};
   }
   return result;
 }
@@ -103,87 +119,117 @@ const PlaceSearch::Landmarks& PlaceSearch::block(int level, int yaw) const {
   return turned_[static_cast<std::size_t>(std::max(level, 0))][static_cast<std::size_t>(yaw)];
 }
 
-void PlaceSearch::add_roots() {
-  rest_.assign(weights_.size(), 0);
-  for (std::size_t i = rest_.size(); i-- > 0;) {
-    rest_[i] = MapPyramid::kFull * weights_[i] + (i + 1 < rest_.size() ? rest_[i + 1] : 0);
-  }
-  const int level = map_.levels() - 1;
-  const int step = 1 << level;
-  for (int yaw = 0; yaw < static_cast<int>(turned_.back().size()); ++yaw) {
-    for (int y = first_.y(); y <= last_.y(); y += step) {
-      for (int x = first_.x(); x <= last_.x(); x += step) add(level, yaw, {x, y, first_.z()});
-    }
-  }
-}
-
 // The largest over all positions and headings of the node. A block of 2^level headings moves no
 // landmark by more cells than that, so that two windows an axis leave no gap.
-int PlaceSearch::value(int level,
-                       std::size_t landmark,
-                       const Turned& turned,
-                       const Eigen::Vector3i& at) const {
-  const Eigen::Vector3i cell = at + turned.cell;
-  if (level == kLeaf) return map_.value(cell.x(), cell.y(), cell.z());
-  const MapPyramid::Windows& windows = *windows_[static_cast<std::size_t>(level)][landmark];
-  return windows.largest(cell.x(), cell.y(), turned.extent.x(), turned.extent.y());
-}
-
-// In no part of the node has a landmark a larger value than in the node.
-void PlaceSearch::note_rest(const Node& node) {
-  const Landmarks& landmarks = block(node.level, node.yaw);
-  int rest = 0;
-  for (std::size_t i = landmarks.size(); i-- > 0;) {
-    rest += weights_[i] * value(node.level, i, landmarks[i], node.at);
-    rest_[i] = rest;
-  }
-  evaluations_ += landmarks.size();
-}
-
-void PlaceSearch::add(int level, int yaw, const Eigen::Vector3i& at) {
-  const Landmarks& landmarks = block(level, yaw);
-  const int enough = static_cast<int>(std::ceil(config_.min_share * best_leaf_));
-  int bound = 0;
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (bound + rest_[i] < enough) {  // whatever the others have
-      evaluations_ += i;
-      best_dropped_ = std::max(best_dropped_, bound + rest_[i]);
-      return;
-    }
-    bound += weights_[i] * value(level, i, landmarks[i], at);
-  }
-  evaluations_ += landmarks.size();
-  if (level == kLeaf) {
-    if (is_possible_ && !is_possible_(pose_of(yaw, at))) return;
-    best_leaf_ = std::max(best_leaf_, bound);
-  }
-  if (bound < config_.min_share * best_leaf_) {
-    best_dropped_ = std::max(best_dropped_, bound);
-    return;
-  }
-  queue_.push({.bound = bound, .level = level, .yaw = yaw, .at = at});
+int PlaceSearch::value(const Node& node, std::size_t landmark, const Turned& turned) const {
+  const int x = node.at.x() + turned.x;
+  const int y = node.at.y() + turned.y;
+  if (node.is_leaf()) return map_.value(x, y, node.at.z() + heights_[landmark]);
+  const MapPyramid::Windows& windows = *windows_[static_cast<std::size_t>(node.level)][landmark];
+  return windows.largest(x, y, turned.wide, turned.deep);
 }
 
 void PlaceSearch::split(const Node& node) {
-  note_rest(node);
-  if (node.level > 0) return split_level(node);
-  for (int z = first_.z(); z <= last_.z(); ++z) {
-    add(kLeaf, node.yaw, {node.at.x(), node.at.y(), z});
+  parts_.clear();
+  if (node.level == 0) {
+    for (int z = first_.z(); z <= last_.z(); ++z) {
+      add_part(node.bound, kLeaf, node.yaw, {node.at.x(), node.at.y(), z});
+    }
+  } else {
+    add_quarters(node);
   }
+  const Landmarks& landmarks = block(node.level, node.yaw);
+  bound_parts([&](std::size_t i) { return value(node, i, landmarks[i]); });
 }
 
-void PlaceSearch::split_level(const Node& node) {
+// Of both halves of the headings.
+void PlaceSearch::add_quarters(const Node& node) {
   const int level = node.level - 1;
   const int size = 1 << level;
-  const auto& blocks = turned_[static_cast<std::size_t>(level)];
-  for (const int yaw : {2 * node.yaw, 2 * node.yaw + 1}) {
-    if (yaw >= static_cast<int>(blocks.size())) continue;
+  const int yaws = static_cast<int>(turned_[static_cast<std::size_t>(level)].size());
+  for (int yaw = 2 * node.yaw; yaw < std::min(2 * node.yaw + 2, yaws); ++yaw) {
     for (const int y : {node.at.y(), node.at.y() + size}) {
       for (const int x : {node.at.x(), node.at.x() + size}) {
-        if (x <= last_.x() && y <= last_.y()) add(level, yaw, {x, y, node.at.z()});
+        if (x > last_.x() || y > last_.y()) continue;
+        add_part(node.bound, level, yaw, {x, y, node.at.z()});
       }
     }
   }
+}
+
+void PlaceSearch::add_part(int bound_of_whole, int level, int yaw, const Eigen::Vector3i& at) {
+  parts_.push_back({.node = {.bound = bound_of_whole, .level = level, .yaw = yaw, .at = at},
+                    .landmarks = block(level, yaw).data()});
+}
+
+// From the bound of what they are parts of: no landmark has a larger value in a part, so that each
+// can only lower it. All parts look at one landmark before the next: they look at the same corner
+// of the map.
+template <typename ValueInWhole>
+void PlaceSearch::bound_parts(const ValueInWhole& value_in_whole) {
+  const int least = enough();
+  for (std::size_t i = 0; i < weights_.size() && !parts_.empty(); ++i) {
+    const int whole = value_in_whole(i);
+    evaluations_ += 1 + parts_.size();
+    for (Part& part : parts_) {
+      part.node.bound -= weights_[i] * (whole - value(part.node, i, part.landmarks[i]));
+    }
+    std::erase_if(parts_, [&](const Part& part) { return is_dropped(part.node, least); });
+  }
+  for (const Part& part : parts_) add(part.node);
+}
+
+bool PlaceSearch::is_dropped(const Node& node, int least) {
+  if (node.bound >= least) return false;
+  best_dropped_ = std::max(best_dropped_, node.bound);
+  return true;
+}
+
+void PlaceSearch::add(const Node& node) {
+  if (!node.is_leaf()) {
+    (node.bound >= sweep_from_ ? open_ : waiting_[root_]).push_back(node);
+  } else if (!is_possible_ || is_possible_(pose_of(node.yaw, node.at))) {
+    best_leaf_ = std::max(best_leaf_, node.bound);
+    leaves_.push(node);
+  }
+}
+
+int PlaceSearch::enough() const {
+  return std::max(1, static_cast<int>(std::ceil(config_.min_share * best_leaf_)));
+}
+
+// Until what is left has too little.
+bool PlaceSearch::begin_sweep() {
+  if (sweep_from_ <= enough()) return false;
+  sweep_from_ = std::max(enough(), sweep_from_ - full_score_ / kSweeps - 1);
+  next_root_ = 0;
+  return true;
+}
+
+// The first time it is only bounded.
+void PlaceSearch::open_next_root() {
+  ++evaluations_;  // most have nothing
+  root_ = next_root_++;
+  if (sweep_from_ > full_score_) return bound_root();
+  std::vector<Node>& waiting = waiting_[root_];
+  const auto is_later = [this](const Node& node) { return node.bound < sweep_from_; };
+  const auto begin = std::ranges::partition(waiting, is_later).begin();
+  open_.assign(begin, waiting.end());
+  waiting.erase(begin, waiting.end());
+}
+
+void PlaceSearch::bound_root() {
+  const auto headings = turned_.back().size();
+  const auto position = static_cast<int>(root_ / headings);
+  const int level = map_.levels() - 1;
+  parts_.clear();
+  add_part(full_score_,
+           level,
+           static_cast<int>(root_ % headings),
+           {first_.x() + (position % roots_.x() << level),
+            first_.y() + (position / roots_.x() << level),
+            first_.z()});
+  bound_parts([](std::size_t) { return MapPyramid::kFull; });
 }
 
 // Leaves come in the order of their score: the first one of a place is its best.
@@ -216,20 +262,22 @@ double PlaceSearch::candidates(const MapPyramid& map,
 }
 
 bool PlaceSearch::advance(std::size_t evaluations) {
-  if (turned_.empty()) return true;
+  if (waiting_.empty()) return true;
   const std::size_t end = evaluations_ + evaluations;
-  if (!std::exchange(has_begun_, true)) add_roots();
   while (evaluations_ < end) {
-    const bool is_enough = static_cast<int>(places_.size()) >= config_.max_places ||
-                           (!queue_.empty() && queue_.top().bound < config_.min_share * best_leaf_);
-    if (queue_.empty() || is_enough) return true;
-    const Node node = queue_.top();
-    queue_.pop();
-    if (node.is_leaf()) {
-      ++evaluations_;  // there may be many of one place
-      take(node);
-    } else {
+    if (static_cast<int>(places_.size()) >= config_.max_places) return true;
+    if (!open_.empty()) {
+      const Node node = open_.back();
+      open_.pop_back();
       split(node);
+    } else if (next_root_ < waiting_.size()) {
+      open_next_root();
+    } else if (!leaves_.empty() && leaves_.top().bound >= std::max(sweep_from_, enough())) {
+      ++evaluations_;  // there may be many of one place
+      take(leaves_.top());
+      leaves_.pop();
+    } else if (!begin_sweep()) {
+      return true;
     }
   }
   return false;
@@ -240,9 +288,15 @@ double PlaceSearch::score_of(const Node& node) const {
 }
 
 double PlaceSearch::max_score_of_rest() const {
-  if (full_score_ == 0) return 0.0;
-  const int queued = queue_.empty() ? 0 : queue_.top().bound;
-  return static_cast<double>(std::max(queued, best_dropped_)) / full_score_;
+  if (waiting_.empty()) return 0.0;
+  const bool are_all_bounded = sweep_from_ <= full_score_ || next_root_ == waiting_.size();
+  if (!are_all_bounded) return 1.0;
+  int most = std::max(best_dropped_, leaves_.empty() ? 0 : leaves_.top().bound);
+  for (const Node& node : open_) most = std::max(most, node.bound);
+  for (const std::vector<Node>& nodes : waiting_) {
+    for (const Node& node : nodes) most = std::max(most, node.bound);
+  }
+  return static_cast<double>(most) / full_score_;
 }
 
 }  // namespace fleetloc

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <queue>
 #include <vector>
@@ -36,10 +37,12 @@ struct SearchRegion {
 };
 
 /// Looks for the places of a map that explain what a robot has seen best, over all positions of a
-/// region and all headings: branch and bound over a MapPyramid, best first, of positions and
-/// headings alike (Aoki et al., "3D-BBS", ICRA 2024, branch over angles, too). Places are found in
-/// the order of their score, and none is left out: what the finest cells and headings can express
-/// is compared as if each had been tried.
+/// region and all headings: branch and bound over a MapPyramid, of positions and headings alike
+/// (Aoki et al., "3D-BBS", ICRA 2024, branch over angles, too). Places are found in the order of
+/// their score, and none is left out: what the finest cells and headings can express is compared as
+/// if each had been tried. It is best first only in steps: in each sweep over the region what has a
+/// bound of the next twentieth is split wherever it is, so that what is looked at one after the
+/// other lies side by side in memory.
 class PlaceSearch {
  public:
   struct Config {
@@ -50,7 +53,7 @@ class PlaceSearch {
   };
 
   PlaceSearch(const MapPyramid& map,
-              const std::vector<SeenLandmark>& landmarks,
+              std::vector<SeenLandmark> landmarks,
               const SearchRegion& region,
               const Config& config);
 
@@ -71,10 +74,12 @@ class PlaceSearch {
                            const SearchRegion& region);
 
  private:
-  /// Cells of a landmark, over a block of headings.
+  /// Columns of a landmark, over a block of headings.
   struct Turned {
-    Eigen::Vector3i cell = Eigen::Vector3i::Zero();  ///< the least x and y
-    Eigen::Vector2i extent = Eigen::Vector2i::Zero();
+    int x = 0;  ///< the least
+    int y = 0;
+    std::uint16_t wide = 0;  ///< to the largest
+    std::uint16_t deep = 0;
   };
   using Landmarks = std::vector<Turned>;
 
@@ -92,18 +97,27 @@ class PlaceSearch {
   };
   static constexpr int kLeaf = -1;
 
+  /// Of a node that is split.
+  struct Part {
+    Node node;
+    const Turned* landmarks = nullptr;
+  };
+
   void turn(const std::vector<SeenLandmark>& landmarks);
   [[nodiscard]] static Landmarks joined(const Landmarks& block, const Landmarks& next);
   [[nodiscard]] const Landmarks& block(int level, int yaw) const;
-  [[nodiscard]] int value(int level,
-                          std::size_t landmark,
-                          const Turned& turned,
-                          const Eigen::Vector3i& at) const;
-  void add_roots();
-  void note_rest(const Node& node);
-  void add(int level, int yaw, const Eigen::Vector3i& at);
+  [[nodiscard]] int value(const Node& node, std::size_t landmark, const Turned& turned) const;
   void split(const Node& node);
-  void split_level(const Node& node);
+  void add_quarters(const Node& node);
+  void add_part(int bound_of_whole, int level, int yaw, const Eigen::Vector3i& at);
+  template <typename ValueInWhole>
+  void bound_parts(const ValueInWhole& value_in_whole);
+  [[nodiscard]] bool is_dropped(const Node& node, int least);
+  void add(const Node& node);
+  [[nodiscard]] int enough() const;
+  bool begin_sweep();
+  void open_next_root();
+  void bound_root();
   void take(const Node& leaf);
   [[nodiscard]] Pose pose_of(int yaw, const Eigen::Vector3i& at) const;
   [[nodiscard]] double score_of(const Node& node) const;
@@ -112,15 +126,21 @@ class PlaceSearch {
   Config config_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the landmarks
   std::vector<int> weights_;
-  std::vector<int> rest_;  // of what is split: score of the landmarks from each one on, at most
+  std::vector<int> heights_;                                      // relative to the center [cells]
   std::vector<std::vector<Landmarks>> turned_;                    // by level and block of headings
   std::vector<std::vector<const MapPyramid::Windows*>> windows_;  // by level, of each landmark
   std::function<bool(const Pose&)> is_possible_;
   Eigen::Vector3i first_;  // position of the region
   Eigen::Vector3i last_;
+  Eigen::Array2i roots_ = Eigen::Array2i::Zero();  // along x and y; each has all blocks of headings
   int full_score_ = 0;
-  bool has_begun_ = false;
-  std::priority_queue<Node> queue_;
+  int sweep_from_ = 0;                      // what has a smaller bound waits for the next sweep:
+  std::vector<std::vector<Node>> waiting_;  // by root
+  std::size_t next_root_ = 0;
+  std::size_t root_ = 0;    // that is searched now:
+  std::vector<Node> open_;  // what is yet to be split of it
+  std::vector<Part> parts_;
+  std::priority_queue<Node> leaves_;
   std::vector<FoundPlace> places_;
   std::size_t evaluations_ = 0;
   int best_leaf_ = 0;     // that was added so far

@@ -185,8 +185,16 @@ TEST(PlaceSearch, GoesOnWhereItPaused) {
   PlaceSearch at_once(pyramid, landmarks, all_of(map), kConfig);
   ASSERT_TRUE(at_once.advance(kAll));
   PlaceSearch in_turns(pyramid, landmarks, all_of(map), kConfig);
+  EXPECT_EQ(in_turns.max_score_of_rest(), 1.0);
   int turns = 1;
-  while (!in_turns.advance(20'000)) ++turns;
+  double rest = 1.0;
+  while (!in_turns.advance(20'000)) {
+    ++turns;
+    EXPECT_LE(in_turns.max_score_of_rest(), rest);
+    rest = in_turns.max_score_of_rest();
+    const bool is_best_left = in_turns.places().empty();
+    EXPECT_GE(rest, is_best_left ? at_once.places().front().score : 0.0) << "turn " << turns;
+  }
   EXPECT_GT(turns, 3);
   EXPECT_EQ(in_turns.evaluations(), at_once.evaluations());
   ASSERT_EQ(in_turns.places().size(), at_once.places().size());
@@ -256,6 +264,17 @@ TEST(PlaceSearch, FindsNoPlaceThatExplainsAnythingWhereNothingStands) {
     ASSERT_TRUE(search.advance(kAll));
     for (const FoundPlace& place : search.places()) EXPECT_EQ(place.score, 0.0);
   }
+}
+
+TEST(PlaceSearch, FindsNothingInARegionThatHasNoPositions) {
+  const LaserMap map = StreetMap(1).map();
+  const MapPyramid pyramid(map, pyramid_config());
+  SearchRegion region = all_of(map);
+  region.max_map.x() = region.min_map.x() - 1.0;
+  PlaceSearch search(pyramid, {{.p = {5.0, 0.0, 2.0}}}, region, kConfig);
+  EXPECT_TRUE(search.advance(kAll));
+  EXPECT_TRUE(search.places().empty());
+  EXPECT_EQ(search.max_score_of_rest(), 0.0);
 }
 
 TEST(PlaceSearch, FindsNothingWithoutLandmarks) {
