@@ -11,7 +11,7 @@
 namespace fleetloc {
 namespace {
 
-constexpr int kSweeps = 20;
+constexpr int kSweeps = 20;  // from a score of 1 to 0
 
 double yaw_of(std::size_t step, std::size_t steps) {
   return 2.0 * std::numbers::pi * static_cast<double>(step) / static_cast<double>(steps);
@@ -55,6 +55,7 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
   for (const SeenLandmark& landmark : landmarks) {
     weights_.push_back(landmark.weight);
     full_score_ += MapPyramid::kFull * landmark.weight;
+    heights_.push_back(floored((landmark.p - center_) / map.cell_m()).z());
   }
   turn(landmarks);
   sweep_from_ = full_score_ + 1;
@@ -74,10 +75,6 @@ PlaceSearch::PlaceSearch(const MapPyramid& map,
 
 // At each heading, and in blocks of two, four and so on.
 void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
-  for (const SeenLandmark& landmark : landmarks) {
-    heights_.push_back(
-        static_cast<int>(std::floor((landmark.p.z() - center_.z()) / map_.cell_m())));
-  }
   std::vector<Landmarks> headings(headings_for(landmarks, map_.cell_m()));
   for (std::size_t yaw = 0; yaw < headings.size(); ++yaw) {
     const double angle = yaw_of(yaw, headings.size());
@@ -85,8 +82,8 @@ void PlaceSearch::turn(const std::vector<SeenLandmark>& landmarks) {
     const double s = std::sin(angle);
     for (const SeenLandmark& landmark : landmarks) {
       const Eigen::Vector3d p = (landmark.p - center_) / map_.cell_m();
-      headings[yaw].push_back({.x = static_cast<int>(std::floor(c * p.x() - s * p.y())),
-                               .y = static_cast<int>(std::floor(s * p.x() + c * p.y()))});
+      const Eigen::Vector3i cell = floored({c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z()});
+      headings[yaw].push_back({.x = cell.x(), .y = cell.y()});
     }
   }
   turned_.push_back(std::move(headings));
@@ -222,12 +219,13 @@ void PlaceSearch::bound_root() {
   const auto headings = turned_.back().size();
   const auto position = static_cast<int>(root_ / headings);
   const int level = map_.levels() - 1;
+  const int edge = 1 << level;
   parts_.clear();
   add_part(full_score_,
            level,
            static_cast<int>(root_ % headings),
-           {first_.x() + (position % roots_.x() << level),
-            first_.y() + (position / roots_.x() << level),
+           {first_.x() + edge * (position % roots_.x()),
+            first_.y() + edge * (position / roots_.x()),
             first_.z()});
   bound_parts([](std::size_t) { return MapPyramid::kFull; });
 }
