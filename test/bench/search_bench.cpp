@@ -79,26 +79,27 @@ class Worker {
     }
   }
 
-  /// [ms], from a keyframe's arrival to its answer, of robots that have a place.
-  std::vector<double> run() {
-    const int count = kKeyframes * times_;
-    double now_s = 0.0;
-    for (int next = 0; next < count;) {
-      auto job = arrival_s(next) > now_s ? pool_.take_job(at(now_s)) : std::nullopt;
-      if (!job && arrival_s(next) > now_s) {
-        now_s = arrival_s(next);
+  /// Works until `end_s`, and to the end of the job that is at hand then.
+  void work_until(double end_s) {
+    while (now_s_ < end_s) {
+      auto job = pool_.take_job(at(now_s_));
+      if (job) {
+        now_s_ = work(*job, now_s_);
+      } else {
+        now_s_ = next_ < messages() ? std::min(end_s, arrival_s(next_)) : end_s;
       }
-      for (; next < count && arrival_s(next) <= now_s; ++next) send(next);
-      if (!job) job = pool_.take_job(at(now_s));
-      if (job) now_s = work(*job, now_s);
+      for (; next_ < messages() && arrival_s(next_) <= now_s_; ++next_) send(next_);
     }
-    return latencies_ms_;
   }
 
-  [[nodiscard]] double busy_share() const { return busy_s_ / arrival_s(kKeyframes * times_); }
-  [[nodiscard]] double searching_share() const {
-    return searching_s_ / arrival_s(kKeyframes * times_);
-  }
+  /// When the last keyframe arrives [s].
+  [[nodiscard]] double end_s() const { return arrival_s(messages()); }
+
+  /// [ms], from a keyframe's arrival to its answer, of robots that have a place.
+  [[nodiscard]] const std::vector<double>& latencies_ms() const { return latencies_ms_; }
+
+  [[nodiscard]] double busy_share() const { return busy_s_ / end_s(); }
+  [[nodiscard]] double searching_share() const { return searching_s_ / end_s(); }
 
   /// Of jobs of robots that search.
   [[nodiscard]] const std::vector<double>& turns_ms() const { return turns_ms_; }
@@ -106,6 +107,7 @@ class Worker {
  private:
   static Timestamp at(double seconds) { return Timestamp{from_seconds(seconds)}; }
   static std::string name_of(int robot) { return "robot_" + std::to_string(robot); }
+  [[nodiscard]] int messages() const { return kKeyframes * times_; }
   [[nodiscard]] double arrival_s(int message) const { return 1.0 + period_s_ * message; }
 
   void send(int message) {
@@ -142,20 +144,21 @@ class Worker {
       "localizer", kIncarnation, map_, always_searching(), make_pyramid(*map_, kSmallPyramid)};
   std::vector<double> latencies_ms_;
   std::vector<double> turns_ms_;
+  double now_s_ = 0.0;
+  int next_ = 0;  ///< message
   double busy_s_ = 0.0;
   double searching_s_ = 0.0;
 };
 
-/// Of several runs, which take turns with others: the machine is not always as fast.
+/// Of several runs.
 struct Runs {
   std::vector<double> latencies_ms;
   std::vector<double> turns_ms;
   double busy_share = 0.0;
   double searching_share = 0.0;
 
-  void add(const Robots& robots, int others) {
-    Worker worker(robots, others);
-    append(worker.run(), latencies_ms);
+  void add(const Worker& worker) {
+    append(worker.latencies_ms(), latencies_ms);
     append(worker.turns_ms(), turns_ms);
     busy_share += worker.busy_share() / kRuns;
     searching_share += worker.searching_share() / kRuns;
@@ -169,6 +172,15 @@ struct Runs {
   }
 };
 
+/// Both take turns of a second, as the machine is not always as fast.
+void work(Worker& one, Worker& other) {
+  constexpr double kTurn_s = 1.0;
+  for (double end_s = kTurn_s; end_s < one.end_s() + kTurn_s; end_s += kTurn_s) {
+    one.work_until(end_s);
+    other.work_until(end_s);
+  }
+}
+
 /// Robots that have a place, alone and beside robots that search.
 void answers(benchmark::State& state) {
   const Robots robots{.told = static_cast<int>(state.range(0)),
@@ -177,8 +189,11 @@ void answers(benchmark::State& state) {
     Runs alone;
     Runs with;
     for (int run = 0; run < Runs::kRuns; ++run) {
-      alone.add({.told = robots.told}, robots.searching);
-      with.add(robots, 0);
+      Worker without_search({.told = robots.told}, robots.searching);
+      Worker with_search(robots, 0);
+      work(without_search, with_search);
+      alone.add(without_search);
+      with.add(with_search);
     }
     const auto counter = [&state](const std::string& name, const auto& values, double share) {
       state.counters[name] = percentile(values, share).value_or(0.0);
