@@ -35,23 +35,21 @@ constexpr double kLastFaultEnds_s = 40.0;
 struct TopicFault {
   double start_s;
   std::string fault;  ///< the rest, in the file's own words
-  std::string named;
+  std::string named;  ///< without how far a clock was set: a stall at that moment is part of it
 };
 
 std::vector<TopicFault> topic_faults() {
-  return {{8.0, "kind: non_finite_imu, duration_s: 0.3, share: 0.2", "/imu: messages are not used"},
-          {10.0,
+  return {{5.0, "kind: non_finite_imu, duration_s: 0.3, share: 0.2", "/imu: messages are not used"},
+          {7.0,
            "kind: zero_image_stamps, duration_s: 0.5",
            "/camera/left/image_raw: images have no stamps"},
-          {12.0, "kind: zero_imu_stamps, duration_s: 0.2", "/imu: samples have no stamps"},
-          {14.0,
+          {9.0, "kind: zero_imu_stamps, duration_s: 0.2", "/imu: samples have no stamps"},
+          {11.0,
            "kind: resized_images, duration_s: 1.5",
            "/camera/right/image_raw: images of 320x200 pixels are not used"},
-          {18.0, "kind: clock_step, step_s: -10", "/imu: its clock was set back by 10.0 s"},
-          {24.0, "kind: clock_step, step_s: 3600", "/imu: its clock was set forward by 3600.0 s"},
-          {27.0,
-           "kind: clock_step, step_s: 94608000",
-           "/imu: its clock was set forward by 94608000.0 s"},
+          {15.0, "kind: clock_step, step_s: -10", "/imu: its clock was set back by "},
+          {20.0, "kind: clock_step, step_s: 3600", "/imu: its clock was set forward by "},
+          {25.0, "kind: clock_step, step_s: 94608000", "/imu: its clock was set forward by "},
           {30.0, "kind: imu_gap, duration_s: 1", "/imu: no message for"},
           {35.0, "kind: missing_left, duration_s: 5", "/camera/left/image_raw: no message for"}};
 }
@@ -142,16 +140,20 @@ TEST_F(TopicFaults, AreSurvivedNamedWithinTwoSecondsAndNeverMakeAPoseConfidently
             << frames.back().state << '\n';
   const Duration in_flight = frames.back().stamp - first_frame(flight_.folder);
   EXPECT_THAT(to_seconds(in_flight), Ge(kLastFaultEnds_s + 1.0));  // it goes on after all of them
-  const auto localized_after = [&](double begin_s, double end_s) {
-    return std::ranges::any_of(frames, [&](const CheckedFrame& frame) {
-      const double time_s = to_seconds(frame.stamp - first_frame(flight_.folder));
-      return time_s > begin_s && time_s < end_s && frame.state == "localized";
+  const auto localized_between = [&](double begin_s, double end_s) {
+    const auto first = std::ranges::find_if(frames, [&](const CheckedFrame& frame) {
+      return to_seconds(frame.stamp - first_frame(flight_.folder)) > begin_s &&
+             frame.state == "localized";
     });
+    if (first == frames.end()) return false;
+    const double time_s = to_seconds(first->stamp - first_frame(flight_.folder));
+    std::cout << "after " << begin_s << " s localized at " << time_s << " s\n";
+    return time_s < end_s;
   };
-  EXPECT_TRUE(localized_after(16.0, 18.0));
-  EXPECT_TRUE(localized_after(19.0, 24.0));
-  EXPECT_TRUE(localized_after(25.0, 27.0));
-  EXPECT_TRUE(localized_after(28.0, 30.0));
+  EXPECT_TRUE(localized_between(13.0, 15.0));
+  EXPECT_TRUE(localized_between(16.0, 20.0));
+  EXPECT_TRUE(localized_between(21.0, 25.0));
+  EXPECT_TRUE(localized_between(26.0, 30.0));
 }
 
 }  // namespace
