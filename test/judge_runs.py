@@ -12,8 +12,9 @@ def main():
     failures = 0
     for folder in sys.argv[2:]:
         errors = json.loads((Path(folder) / "evaluation.json").read_text())
-        said = f"{folder}: covered {errors['covered']:.2f}, wrong and sure in {errors['confidently_wrong']} frames"
-        is_good = errors["covered"] >= least and errors["confidently_wrong"] == 0
+        wrong = errors["confidence"]["confidently_wrong"]
+        said = f"{folder}: covered {errors['covered']:.2f}, wrong and sure in {wrong} frames"
+        is_good = errors["covered"] >= least and wrong == 0
         print(said if is_good else f"FAILED: {said}")
         failures += not is_good
     return 1 if failures else 0
