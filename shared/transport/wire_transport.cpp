@@ -40,11 +40,14 @@ constexpr std::size_t kShortHandshakeBytes = 2000;  // without certificate and p
 /// Keeps the settings of the transport that it wraps.
 class WireDescriptor final : public fdr::ChainingTransportDescriptor {
  public:
-  WireDescriptor(std::shared_ptr<TransportDescriptor> udp, std::shared_ptr<WireLink> link)
-      : ChainingTransportDescriptor(std::move(udp)), link_(std::move(link)) {}
+  WireDescriptor(std::shared_ptr<TransportDescriptor> udp,
+                 const RtpsLimits& limits,
+                 std::shared_ptr<WireLink> link)
+      : ChainingTransportDescriptor(std::move(udp)), limits_(limits), link_(std::move(link)) {}
 
   [[nodiscard]] fdr::TransportInterface* create_transport() const override;
 
+  [[nodiscard]] const RtpsLimits& limits() const { return limits_; }
   [[nodiscard]] const std::shared_ptr<WireLink>& link() const { return link_; }
   [[nodiscard]] bool has_whitelist() const {
     const auto& udp = dynamic_cast<const fdr::UDPTransportDescriptor&>(*low_level_descriptor);
@@ -52,6 +55,7 @@ class WireDescriptor final : public fdr::ChainingTransportDescriptor {
   }
 
  private:
+  RtpsLimits limits_;
   std::shared_ptr<WireLink> link_;
 };
 
@@ -257,7 +261,7 @@ void WireTransport::receive(fdr::TransportReceiverInterface* receiver,
                             const rtps::Locator_t& local,
                             const rtps::Locator_t& remote) {
   const RtpsBytes datagram(buffer, size);
-  const auto checked = check_rtps(datagram);
+  const auto checked = check_rtps(datagram, descriptor_.limits());
   if (!checked) return link_->malformed.add(checked.error());
   if (!gaps_.passes(datagram, Clock::now())) {
     return link_->malformed.add(RtpsDefect::kTooManyGaps);
@@ -346,9 +350,10 @@ fdr::TransportInterface* WireDescriptor::create_transport() const {
 }  // namespace
 
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
+                                                    const RtpsLimits& limits,
                                                     std::shared_ptr<WireLink> link) {
   if (!std::dynamic_pointer_cast<fdr::UDPTransportDescriptor>(udp)) return nullptr;
-  return std::make_shared<WireDescriptor>(udp, std::move(link));
+  return std::make_shared<WireDescriptor>(udp, limits, std::move(link));
 }
 
 }  // namespace fleetloc

@@ -11,6 +11,7 @@ namespace fleetloc {
 /// leaves out addresses, and emulates the link. The steps and their order: shared/README.md, "How a
 /// datagram passes". Nothing if it is not UDP.
 std::shared_ptr<TransportDescriptor> wire_transport(const std::shared_ptr<TransportDescriptor>& udp,
+                                                    const RtpsLimits& limits,
                                                     std::shared_ptr<WireLink> link);
 
 }  // namespace fleetloc

@@ -107,6 +107,7 @@ class KnownPeer {
   static std::unique_ptr<fdr::ChainingTransport> made() {
     const auto descriptor =
         wire_transport(std::make_shared<fdr::UDPv4TransportDescriptor>(),
+                       RtpsLimits{},
                        std::make_shared<WireLink>(ChannelRole::kRobot, std::nullopt));
     return std::unique_ptr<fdr::ChainingTransport>(
         dynamic_cast<fdr::ChainingTransport*>(descriptor->create_transport()));

@@ -27,17 +27,26 @@ class KnownRobot {
     const std::uint32_t next = ++number_;
     return receives(
         cloud,
-        [&] {
-          Bytes submap = numbered_submap(next).payload;
-          writer_->write(&submap);
-        },
+        [&] { write(next); },
         [&](const Message& message) {
           EXPECT_LT(number_of(message), kForged);
           return number_of(message) == next;
         });
   }
 
+  void write(std::uint32_t number) {
+    Bytes submap = numbered_submap(number).payload;
+    writer_->write(&submap);
+  }
+  /// Of the latest submap that arrived.
+  [[nodiscard]] std::uint32_t number() const { return number_; }
+
   eprosima::fastdds::dds::DataWriter& writer() { return *writer_; }
+  [[nodiscard]] std::uint32_t writer_id() const {
+    std::uint32_t id = 0;
+    for (const auto byte : writer_->guid().entityId.value) id = id << 8U | byte;
+    return id;
+  }
   [[nodiscard]] GuidPrefix prefix() const {
     GuidPrefix prefix{};
     std::ranges::copy(writer_->guid().guidPrefix.value, prefix.begin());
@@ -50,10 +59,8 @@ class KnownRobot {
 
   /// A submap as if the robot had written it as its sample of that number.
   [[nodiscard]] Bytes forged_submap(std::uint64_t sequence_number) const {
-    std::uint32_t writer = 0;
-    for (const auto byte : writer_->guid().entityId.value) writer = writer << 8U | byte;
     ByteWriter body;
-    body.u16(0).u16(16).entity(0).entity(writer).sequence_number(sequence_number);
+    body.u16(0).u16(16).entity(0).entity(writer_id()).sequence_number(sequence_number);
     body.bytes(numbered_submap(kForged).payload);
     return message_of({submessage(0x15, 1 | 4, body.written())}, prefix());
   }

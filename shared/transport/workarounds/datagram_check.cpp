@@ -162,6 +162,30 @@ bool is_heartbeat_frag(Fields fields) {
   return number >= 1 && last >= 1 && fields.is_complete();
 }
 
+// Of a topic that a program has made; endpoints of discovery and security have other kinds
+// (9.3.1.2).
+bool is_of_a_topic(const RtpsSubmessage& submessage) {
+  constexpr std::uint32_t kBuiltIn = 0xc0;
+  constexpr std::size_t kFlagsAndOffset = 4;
+  RtpsFields fields = submessage.fields();
+  switch (submessage.kind) {
+    case RtpsKind::kData:
+    case RtpsKind::kDataFrag:
+      fields.skip(kFlagsAndOffset);
+      break;
+    case RtpsKind::kAckNack:
+    case RtpsKind::kHeartbeat:
+    case RtpsKind::kGap:
+    case RtpsKind::kNackFrag:
+    case RtpsKind::kHeartbeatFrag:
+      break;
+    default:
+      return false;
+  }
+  fields.entity();  // the reader, which may be all
+  return (fields.entity() & kBuiltIn) == 0;
+}
+
 // Kinds of transformation (DDS Security 1.1, table 63): 1 and 3 sign, 2 and 4 encrypt.
 enum class Protection : std::uint8_t { kNone, kSigned, kEncrypted };
 Protection protection_of(Bytes prefix) {
@@ -224,6 +248,11 @@ class ProtectionOrder {
       default:
         return plain();
     }
+  }
+
+  /// What comes next is signed, by itself or with its message.
+  [[nodiscard]] bool is_protecting() const {
+    return in_submessage_ || message_ != Protection::kNone;
   }
 
   [[nodiscard]] bool is_complete() const {
@@ -326,6 +355,8 @@ std::string_view name(RtpsDefect defect) {
       return "far_ahead";
     case RtpsDefect::kProtection:
       return "protection";
+    case RtpsDefect::kUnprotected:
+      return "unprotected";
   }
   return "";
 }
@@ -350,6 +381,9 @@ expected<void, RtpsDefect> check_rtps(std::span<const std::uint8_t> datagram,
     if (is_statistics && (!*valid || !rest.empty())) return unexpected(RtpsDefect::kStatistics);
     if (!*valid) return unexpected(RtpsDefect::kInvalidSubmessage);
     if (is_statistics) continue;
+    if (limits.needs_protection && !order.is_protecting() && is_of_a_topic(*submessage)) {
+      return unexpected(RtpsDefect::kUnprotected);
+    }
     const bool is_last = rest.empty() || static_cast<RtpsKind>(rest[0]) == RtpsKind::kStatistics;
     if (!order.take(submessage->kind, submessage->body, is_first, is_last)) {
       return unexpected(RtpsDefect::kProtection);

@@ -25,9 +25,10 @@ enum class RtpsDefect : std::uint8_t {
   kForeignGuid,        ///< in the name of a participant that is elsewhere, see KnownSenders
   kTooManySenders,     ///< of an address, or of all
   kFarAhead,           ///< a number that its writer cannot have reached yet, see SequenceBounds
-  kProtection  ///< of DDS Security: its submessages in another order, or not as long as they say
+  kProtection,  ///< of DDS Security: its submessages in another order, or not as long as they say
+  kUnprotected  ///< see RtpsLimits::needs_protection
 };
-inline constexpr std::size_t kRtpsDefects = 11;
+inline constexpr std::size_t kRtpsDefects = 12;
 std::string_view name(RtpsDefect defect);
 
 /// What is taken beside what the grammar says.
@@ -38,6 +39,9 @@ struct RtpsLimits {
   /// Submessages of other vendors and of later versions, which Fast DDS skips; its own robots and
   /// localizers send none.
   bool allows_extensions = false;
+  /// Who has keys hears nobody without: what writers and readers of a fleet's topics say is signed
+  /// or encrypted. Discovery and the handshake begin in the clear.
+  bool needs_protection = false;
 };
 
 /// Checks that a datagram conforms to the grammar of RTPS (OMG, DDS Interoperability Wire

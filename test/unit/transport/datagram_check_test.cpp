@@ -1,5 +1,6 @@
 #include "shared/transport/workarounds/datagram_check.hpp"
 
+#include <algorithm>
 #include <random>
 #include <string_view>
 #include <vector>
@@ -251,6 +252,39 @@ TEST(RtpsCheck, LooksIntoWhatIsOnlySigned) {
   const Bytes broken = heartbeat(0, 2);
   EXPECT_EQ(defect_of(message_of({secure_prefix(3), broken, secure_postfix(0, 0)})),
             "invalid_submessage");
+}
+
+// As if it were of a topic of the fleet: in the test's messages all are of discovery.
+Bytes of_a_topic(Bytes submessage) {
+  const Bytes discovery = ByteWriter().entity(kPublicationsWriter).written();
+  const Bytes user = ByteWriter().entity(0x103).written();
+  const auto found = std::ranges::search(submessage, discovery);
+  std::ranges::copy(user, found.begin());
+  return submessage;
+}
+
+TEST(RtpsCheck, RefusesWhatIsNotProtectedWhereTheFleetHasKeys) {
+  constexpr RtpsLimits kKeys{.needs_protection = true};
+  for (const auto& [name, submessage] : valid_submessages()) {
+    const bool is_sample = name == "DATA" || name == "DATA_FRAG";  // of a topic they are
+    EXPECT_EQ(check_rtps(message_of({submessage}), kKeys).has_value(), !is_sample) << name;
+  }
+  const Bytes end = secure_postfix(0, 0);
+  const Bytes end_all = secure_postfix(0, 0, 0x34);
+  for (const auto& [name, submessage] : valid_submessages()) {
+    const bool has_number = name.ends_with("NACK") || name.ends_with("FRAG") || name == "GAP" ||
+                            name.starts_with("HEARTBEAT") || name == "DATA";
+    if (!has_number) continue;
+    const Bytes ours = name.starts_with("DATA") ? submessage : of_a_topic(submessage);
+    EXPECT_TRUE(check_rtps(message_of({ours}))) << name << " without keys";
+    const auto checked = check_rtps(message_of({ours}), kKeys);
+    ASSERT_FALSE(checked) << name;
+    EXPECT_EQ(fleetloc::name(checked.error()), "unprotected") << name;
+    EXPECT_TRUE(check_rtps(message_of({secure_prefix(3), ours, end}), kKeys)) << name;
+    EXPECT_TRUE(check_rtps(message_of({secure_prefix(3, 0x33), ours, end_all}), kKeys)) << name;
+    EXPECT_FALSE(check_rtps(message_of({secure_prefix(3), ours, end, ours}), kKeys)) << name;
+  }
+  EXPECT_TRUE(check_rtps(message_of(encrypted_submessage()), kKeys));
 }
 
 // Strangers may send these: an authentication begins with one.
