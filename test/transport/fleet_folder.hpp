@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/transport/fleet_keys.hpp"
+#include "shared/transport/transport_error.hpp"
 #include "test/system/child_program.hpp"
 #include "test/transport/test_network.hpp"
 
@@ -63,6 +64,17 @@ inline DdsChannel::Config secure_on_loopback(std::uint32_t domain,
           .name = name,
           .link = std::nullopt,
           .keys = keys};
+}
+
+/// What a TransportError says.
+template <typename Action>
+std::string refusal(const Action& action) {
+  try {
+    action();
+  } catch (const TransportError& error) {
+    return error.what();
+  }
+  return "no error";
 }
 
 }  // namespace fleetloc

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "shared/transport/workarounds/parameter_check.hpp"
+#include "shared/transport/workarounds/protection_order.hpp"
 #include "shared/transport/workarounds/rtps_message.hpp"
 
 namespace fleetloc {
@@ -185,106 +185,6 @@ bool is_of_a_topic(const RtpsSubmessage& submessage) {
   fields.entity();  // the reader, which may be all
   return (fields.entity() & kBuiltIn) == 0;
 }
-
-// Kinds of transformation (DDS Security 1.1, table 63): 1 and 3 sign, 2 and 4 encrypt.
-enum class Protection : std::uint8_t { kNone, kSigned, kEncrypted };
-Protection protection_of(Bytes prefix) {
-  constexpr std::size_t kPrefixBytes = 20;
-  constexpr std::uint8_t kAes256Gcm = 4;
-  if (prefix.size() != kPrefixBytes || prefix[0] != 0 || prefix[1] != 0 || prefix[2] != 0) {
-    return Protection::kNone;
-  }
-  const std::uint8_t kind = prefix[3];
-  if (kind == 0 || kind > kAes256Gcm) return Protection::kNone;
-  return kind % 2 == 0 ? Protection::kEncrypted : Protection::kSigned;
-}
-
-// The library decrypts as many bytes as it says, before it looks at the signature.
-bool is_secure_body(Bytes body) {
-  Fields fields(body, false);
-  const std::size_t size = fields.u32();
-  return fields.is_complete() && size > 0 && size <= fields.rest().size();
-}
-
-// One signature, and one for each of some receivers; their number is big endian always.
-bool is_secure_postfix(Bytes body) {
-  constexpr std::size_t kMac = 16;
-  constexpr std::size_t kReceiverMac = 20;
-  Fields fields(body, false);
-  fields.skip(kMac);
-  const std::size_t receivers = fields.u32();
-  return fields.is_complete() && fields.rest().size() == receivers * kReceiverMac;
-}
-
-/// The order of submessages that protect others: a prefix, what it says that there is, a postfix.
-class ProtectionOrder {
- public:
-  /// @param is_first  in its message
-  /// @param is_last   but for statistics
-  /// @return false if it may not stand here
-  bool take(RtpsKind kind, Bytes body, bool is_first, bool is_last) {
-    switch (kind) {
-      case RtpsKind::kSrtpsPrefix:
-        message_ = protection_of(body);
-        return is_first && begin(message_);
-      case RtpsKind::kSrtpsPostfix:
-        return is_last && ends(message_) && !in_submessage_ && is_secure_postfix(body);
-      case RtpsKind::kSecPrefix:
-        if (in_submessage_ || needs_body_ || is_over_) return false;
-        in_submessage_ = true;
-        submessage_ = protection_of(body);
-        has_content_ = false;
-        return begin(submessage_);
-      case RtpsKind::kSecPostfix:
-        if (!in_submessage_ || !has_content_) return false;
-        in_submessage_ = false;
-        return ends(submessage_) && is_secure_postfix(body);
-      case RtpsKind::kSecBody:
-        if (!needs_body_ || !is_secure_body(body)) return false;
-        needs_body_ = false;
-        has_content_ = true;
-        is_over_ = !in_submessage_;
-        return true;
-      default:
-        return plain();
-    }
-  }
-
-  /// What comes next is signed, by itself or with its message.
-  [[nodiscard]] bool is_protecting() const {
-    return in_submessage_ || message_ != Protection::kNone;
-  }
-
-  [[nodiscard]] bool is_complete() const {
-    return !in_submessage_ && !needs_body_ && message_ == Protection::kNone;
-  }
-
- private:
-  bool begin(Protection protection) {
-    needs_body_ = protection == Protection::kEncrypted;
-    return protection != Protection::kNone;
-  }
-
-  bool ends(Protection& protection) {
-    const bool was_begun = std::exchange(protection, Protection::kNone) != Protection::kNone;
-    is_over_ = false;
-    return was_begun && !needs_body_;
-  }
-
-  // In a protected submessage there is one.
-  bool plain() {
-    if (needs_body_ || is_over_) return false;
-    if (!in_submessage_) return true;
-    return !std::exchange(has_content_, true);
-  }
-
-  Protection message_ = Protection::kNone;
-  Protection submessage_ = Protection::kNone;
-  bool in_submessage_ = false;
-  bool has_content_ = false;
-  bool needs_body_ = false;
-  bool is_over_ = false;  // the encrypted body of a whole message has been there
-};
 
 bool is_statistics(std::uint8_t flags, std::size_t length) {
   return (flags & kLittleEndian) != 0 && length == kStatisticsBytes;
