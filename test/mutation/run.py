@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Do the tests see it when a line is wrong? Draws mutants (mutants.py) of estimators, protocol and
 transport by a seed, builds each in a working tree of its own, and runs the unit and pipeline tests
-that it is linked into, until one fails. What was tried is kept in OUT/results.jsonl: the same command
-goes on where it was ended. Ends with a table and with the mutants that no test has killed.
+that it is linked into, those of its own folder first, until one fails. What was tried is kept in
+OUT/results.jsonl: the same command goes on where it was ended. Ends with a table and with the mutants
+that no test has killed.
 """
 
 import argparse
 import collections
+import concurrent.futures
 import json
 import os
 import re
@@ -51,16 +53,18 @@ class Build:
                     names.append(name)
         return sorted(names)
 
-    def make(self):
-        """Whether it could be built; the programs that were linked anew."""
+    def make(self, names):
+        """Whether they could be built; those that were linked anew."""
+        if not names:
+            return True, []
         begun = time.time()
         built = subprocess.run(
-            ["sh", "deploy/build.sh", "release", *self.targets()], cwd=self.tree, capture_output=True, text=True
+            ["sh", "deploy/build.sh", "release", *names], cwd=self.tree, capture_output=True, text=True
         )
         if built.returncode != 0:
             (self.tree.parent / "build.log").write_text(built.stdout + built.stderr)
         return built.returncode == 0, [
-            name for name in self.targets() if self.program(name).exists() and
+            name for name in names if self.program(name).exists() and
             self.program(name).stat().st_mtime >= begun
         ]
 
@@ -86,6 +90,17 @@ class Build:
         failed = re.findall(r"\[  FAILED  \] ([\w/]+\.[\w/]+)", said)
         return failed[0] if failed else f"{name} (ends with {process.returncode})"
 
+    def first_failure(self, names):
+        """Of programs, as many at once as there are cores. Once one has failed no other is begun."""
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            tests = [pool.submit(self.test, name) for name in names]
+            for test in concurrent.futures.as_completed(tests):
+                if not test.cancelled() and test.result():
+                    for other in tests:
+                        other.cancel()
+                    return test.result()
+        return None
+
 
 def run(*words, cwd):
     subprocess.run([str(word) for word in words], cwd=cwd, check=True, stdout=subprocess.DEVNULL)
@@ -94,16 +109,20 @@ def run(*words, cwd):
 def measure(build):
     """All tests pass as the sources are; the quick ones are tried first."""
     begun = time.time()
-    is_built, _ = build.make()
+    is_built, _ = build.make(build.targets())
     if not is_built:
         sys.exit(f"mutation: the sources as they are do not build, see {build.tree.parent}/build.log")
     print(f"mutation: built in {time.time() - begun:.0f} s", flush=True)
-    for name in build.targets():
+
+    def timed(name):
         begun = time.time()
-        failed = build.test(name)
-        if failed:
-            sys.exit(f"mutation: {failed} fails with the sources as they are")
-        build.programs[name] = time.time() - begun
+        return name, build.test(name), time.time() - begun
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for name, failed, seconds in pool.map(timed, build.targets()):
+            if failed:
+                sys.exit(f"mutation: {failed} fails with the sources as they are")
+            build.programs[name] = seconds
     print(f"mutation: {len(build.programs)} programs pass in {sum(build.programs.values()):.0f} s", flush=True)
 
 
@@ -111,15 +130,17 @@ def judge(build, mutant):
     """killed, survived, or does not compile; by what."""
     build.revert()
     mutant.apply(build.tree)
-    is_built, programs = build.make()
-    if not is_built:
-        return "does not compile", None
     own = mutant.file.split("/")[1]
-    for name in sorted(programs, key=lambda name: (not name.startswith(own), build.programs[name])):
-        killer = build.test(name)
+    tried = 0
+    for is_own in (True, False):
+        is_built, programs = build.make([name for name in build.programs if name.startswith(own) == is_own])
+        if not is_built:
+            return "does not compile", None
+        killer = build.first_failure(sorted(programs, key=build.programs.get))
         if killer:
             return "killed", killer
-    return "survived", f"{len(programs)} programs"
+        tried += len(programs)
+    return "survived", f"{tried} programs"
 
 
 def report(results):
