@@ -46,12 +46,13 @@ class Build:
         run("git", "checkout", "--quiet", ".", cwd=self.tree)
 
     def targets(self):
-        names = []
+        """The folder of each test program, by its name."""
+        folders = {}
         for file in (self.tree / "test").rglob("CMakeLists.txt"):
             for name, label in re.findall(r"fleetloc_test\((\w+)[^)]*?LABEL (\w+)", file.read_text()):
                 if label in LABELS and not name.startswith("fuzz"):
-                    names.append(name)
-        return sorted(names)
+                    folders[name] = file.parent.name
+        return folders
 
     def make(self, names):
         """Whether they could be built; those that were linked anew."""
@@ -106,10 +107,10 @@ def run(*words, cwd):
     subprocess.run([str(word) for word in words], cwd=cwd, check=True, stdout=subprocess.DEVNULL)
 
 
-def measure(build):
+def measure(build, names):
     """All tests pass as the sources are; the quick ones are tried first."""
     begun = time.time()
-    is_built, _ = build.make(build.targets())
+    is_built, _ = build.make(names)
     if not is_built:
         sys.exit(f"mutation: the sources as they are do not build, see {build.tree.parent}/build.log")
     print(f"mutation: built in {time.time() - begun:.0f} s", flush=True)
@@ -119,7 +120,7 @@ def measure(build):
         return name, build.test(name), time.time() - begun
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, failed, seconds in pool.map(timed, build.targets()):
+        for name, failed, seconds in pool.map(timed, names):
             if failed:
                 sys.exit(f"mutation: {failed} fails with the sources as they are")
             build.programs[name] = seconds
@@ -130,10 +131,11 @@ def judge(build, mutant):
     """killed, survived, or does not compile; by what."""
     build.revert()
     mutant.apply(build.tree)
-    own = mutant.file.split("/")[1]
+    folders = build.targets()
+    own = {name for name in build.programs if folders[name] == mutant.file.split("/")[1]}
     tried = 0
-    for is_own in (True, False):
-        is_built, programs = build.make([name for name in build.programs if name.startswith(own) == is_own])
+    for names in own, build.programs.keys() - own:
+        is_built, programs = build.make(sorted(names))
         if not is_built:
             return "does not compile", None
         killer = build.first_failure(sorted(programs, key=build.programs.get))
@@ -159,17 +161,21 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=60, help="mutants that compile (60)")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "mutation")
+    parser.add_argument("--own", action="store_true", help="only the tests of a mutant's own folder: quick")
     parser.add_argument("folder", nargs="*", default=FOLDERS, help="of sources, such as robot/vio")
     options = parser.parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    kept = out / "results.jsonl"
+    kept = out / ("own_results.jsonl" if options.own else "results.jsonl")
     known = {}
     if kept.exists():
         for line in kept.read_text().splitlines():
             result = json.loads(line)
             known[tuple(result[key] for key in ("file", "line", "before", "after"))] = result
     build = Build(out)
+    folders = build.targets()
+    own = [name for name, folder in folders.items() if folder in (of.split("/")[1] for of in options.folder)]
+    names = sorted(own if options.own else folders)
     results = []
     for mutant in mutants.draw(build.tree, options.folder, options.seed):
         if len(results) == options.count:
@@ -177,7 +183,7 @@ def main():
         result = known.get((mutant.file, mutant.line, mutant.before, mutant.after))
         if not result:
             if not build.programs:
-                measure(build)
+                measure(build, names)
             begun = time.time()
             outcome, by = judge(build, mutant)
             result = asdict(mutant) | {"outcome": outcome, "by": by, "seconds": round(time.time() - begun)}

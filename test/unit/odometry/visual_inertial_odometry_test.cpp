@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "test/simulated_setup.hpp"
+#include "test/unit/vio/simulated_correction.hpp"
 
 namespace fleetloc {
 namespace {
@@ -52,6 +53,7 @@ class VisualInertialOdometryTest : public testing::Test {
       auto window = odometry_.take_window(sample.stamp);
       if (!window) causes_.push_back(window.error());
       if (window && *window && (*window)->start) starts_.push_back(*(*window)->start);
+      if (window && *window) window_ = (*window)->window;
     }
     played_ = end + Duration(1);
   }
@@ -79,6 +81,7 @@ class VisualInertialOdometryTest : public testing::Test {
   int next_frame_ = 0;
   std::vector<OdometryFrame> frames_;
   std::vector<OdometryStart> starts_;
+  std::shared_ptr<const WindowEstimate> window_;  // the latest
   std::vector<ResetCause> causes_;
 };
 
@@ -99,6 +102,21 @@ TEST_F(VisualInertialOdometryTest, GivesAPoseToEveryFrameOnceTheFirstWindowIsThe
   EXPECT_GT(frames_.size(), 50U);
   for (const OdometryFrame& frame : frames_) EXPECT_TRUE(frame.estimate.has_value());
   EXPECT_TRUE(causes_.empty());
+}
+
+TEST_F(VisualInertialOdometryTest, CountsWhatItsWindowsTakeOfCorrections) {
+  play(5.0);
+  ASSERT_TRUE(window_);
+  EXPECT_EQ(odometry_.statistics().corrections_applied, 0U);
+  Correction correction = SimulatedCloud{}.correction(run_, *window_);
+  correction.landmarks.push_back({.id = LandmarkId{4'000'000'000}});  // of no window
+  const std::size_t all = correction.landmarks.size() + correction.relative_poses.size();
+  odometry_.add_correction(std::move(correction));
+  play(6.0);
+  const OdometryStatistics& statistics = odometry_.statistics();
+  EXPECT_GT(statistics.corrections_applied, 20U);
+  EXPECT_GE(statistics.corrections_ignored, 1U);
+  EXPECT_EQ(statistics.corrections_applied + statistics.corrections_ignored, all);
 }
 
 TEST_F(VisualInertialOdometryTest, WaitsAfterAResetForTheJobOfTheOdometryBefore) {
