@@ -47,6 +47,13 @@ class World : public testing::Test {
     return run_errors(run_folder, drive);
   }
 
+  static void expect_localized(const nlohmann::json& errors, double ate_m, double covered) {
+    EXPECT_LT(errors["ate"]["median"], ate_m) << errors;
+    EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1) << errors;
+    EXPECT_GT(errors["covered"], covered) << errors;
+    EXPECT_EQ(errors["confidence"]["confidently_wrong"], 0) << errors;
+  }
+
   const ScratchFolder scratch_;
 };
 
@@ -57,13 +64,15 @@ TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
   const Words in_map{"--map", map, "--initial-pose", images.displaced_start_pose()};
   Words by_tracks = in_map;
   by_tracks.emplace_back("--tracks");
-  for (const auto& errors : {localized(images, in_map), localized(tracks, by_tracks)}) {
-    SCOPED_TRACE(errors.dump());
-    EXPECT_LT(errors["ate"]["median"], 0.15);
-    EXPECT_LT(errors["odometry_ate"]["rmse"], 0.1);
-    // Of 40 s, some of them without an answer: a robot that stands sees too little to be sure.
-    EXPECT_GT(errors["covered"], 0.7);
-  }
+  // Twenty seeds by tracks: median error .013 to .037 m, covered .87 to 1 (of 40 s, some without an
+  // answer: a robot that stands sees too little to be sure), NEES .29 to .80, worst .18 m.
+  const auto tracked = localized(tracks, by_tracks);
+  expect_localized(tracked, 0.08, 0.8);
+  EXPECT_LT(tracked["nees"]["map"], 2.0) << tracked;
+  EXPECT_LT(tracked["confidence"]["worst_m"], 0.3) << tracked;
+  // Five by images: .035, .073, .23, .13 and .06 m, covered .41 to .88, NEES 1.3 to 11.5. This one
+  // is the second; what is not right there yet: deploy/experiments, "A short way by images".
+  expect_localized(localized(images, in_map), 0.15, 0.7);
 }
 
 }  // namespace
