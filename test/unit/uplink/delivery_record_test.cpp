@@ -88,6 +88,16 @@ TEST_F(DeliveryRecordTest, AFinalEdgeReplacesAProvisionalOne) {
   EXPECT_EQ(record_.missing(drive_.edges[0], kLoss), 0.0);
 }
 
+TEST_F(DeliveryRecordTest, ForgetsWhatIsBeforeTheOldestKeyframeAndNoMore) {
+  send(1);
+  acknowledge(1, 1);
+  record_.forget_before(drive_.keyframes[1].id);
+  EXPECT_EQ(record_.missing(drive_.keyframes[0], kLoss), 1.0);
+  EXPECT_EQ(record_.missing(drive_.keyframes[1], kLoss), 0.0);
+  EXPECT_EQ(record_.missing(drive_.edges[0], kLoss), 1.0) << "it begins at the one before";
+  EXPECT_EQ(record_.missing(drive_.edges[1], kLoss), 0.0) << "it begins at the oldest";
+}
+
 TEST_F(DeliveryRecordTest, ReferencesCarryNoObservations) {
   drive_.keyframes[0].is_reference = true;
   send(1);
