@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cerrno>
 #include <cstdint>
 #include <optional>
@@ -8,9 +9,11 @@
 #include <vector>
 
 #include <arpa/inet.h>
+#include <linux/filter.h>
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>
 #include <net/if.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -29,10 +32,16 @@ class Wiretap {
     return std::nullopt;
   }
 
-  explicit Wiretap(std::uint32_t domain) : first_port_(7400 + 250 * domain) {
+  explicit Wiretap(std::uint32_t domain) {
+    hear_only(7400 + 250 * domain);
+    // The default has room for 93 announcements, of which a participant sends 32 at once.
+    constexpr int kBytes = 16 << 20;
+    if (setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &kBytes, sizeof kBytes) != 0) {
+      throw std::system_error(errno, std::generic_category(), "SO_RCVBUFFORCE");
+    }
     sockaddr_ll loopback{};
     loopback.sll_family = AF_PACKET;
-    loopback.sll_protocol = htons(ETH_P_IP);
+    loopback.sll_protocol = htons(ETH_P_IP);  // from here on
     loopback.sll_ifindex = static_cast<int>(if_nametoindex("lo"));
     if (bind(socket_, reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback) != 0) {
       throw std::system_error(errno, std::generic_category(), "bind");
@@ -56,25 +65,37 @@ class Wiretap {
   }
 
  private:
-  static int packet_socket() {
-    return socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP));
-  }
+  static int packet_socket() { return socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, 0); }
 
-  /// Nothing if it is no UDP to one of the domain's ports.
-  [[nodiscard]] RtpsBytes datagram_in(RtpsBytes packet) const {
-    constexpr std::size_t kUdpHeader = 8;
-    constexpr std::uint8_t kUdp = 17;
-    constexpr std::size_t kProtocolAt = 9;
+  /// UDP to a domain's ports: what other tests send meanwhile would fill the socket.
+  void hear_only(std::uint32_t first_port) const {
     constexpr std::uint32_t kPorts = 250;
-    const std::size_t ip_header = packet.empty() ? 0 : std::size_t{4} * (packet[0] & 0x0fU);
-    if (packet.size() < ip_header + kUdpHeader || packet[kProtocolAt] != kUdp) return {};
-    const RtpsBytes udp = packet.subspan(ip_header);
-    const std::uint32_t port = static_cast<std::uint32_t>(udp[2]) << 8U | udp[3];
-    if (port < first_port_ || port >= first_port_ + kPorts) return {};
-    return udp.subspan(kUdpHeader);
+    constexpr std::uint32_t kProtocolAt = 9;
+    constexpr std::uint32_t kPortAt = 2;  // behind the header of IP
+    std::array<sock_filter, 8> program{{
+        {BPF_LD | BPF_B | BPF_ABS, 0, 0, kProtocolAt},
+        {BPF_JMP | BPF_JEQ | BPF_K, 0, 5, IPPROTO_UDP},
+        {BPF_LDX | BPF_B | BPF_MSH, 0, 0, 0},  // the length of the header of IP
+        {BPF_LD | BPF_H | BPF_IND, 0, 0, kPortAt},
+        {BPF_JMP | BPF_JGE | BPF_K, 0, 2, first_port},
+        {BPF_JMP | BPF_JGE | BPF_K, 1, 0, first_port + kPorts},
+        {BPF_RET | BPF_K, 0, 0, 0xffff},
+        {BPF_RET | BPF_K, 0, 0, 0},
+    }};
+    const sock_fprog filter{.len = program.size(), .filter = program.data()};
+    if (setsockopt(socket_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0) {
+      throw std::system_error(errno, std::generic_category(), "SO_ATTACH_FILTER");
+    }
   }
 
-  std::uint32_t first_port_;
+  /// What is in a packet of IP.
+  static RtpsBytes datagram_in(RtpsBytes packet) {
+    constexpr std::size_t kUdpHeader = 8;
+    const std::size_t ip_header = packet.empty() ? 0 : std::size_t{4} * (packet[0] & 0x0fU);
+    if (packet.size() < ip_header + kUdpHeader) return {};
+    return packet.subspan(ip_header + kUdpHeader);
+  }
+
   int socket_ = packet_socket();
 };
 
