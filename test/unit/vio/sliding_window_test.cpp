@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/vio/gauge_factor.hpp"
+#include "shared/geometry/so3.hpp"
 #include "test/unit/vio/simulated_vio.hpp"
 
 namespace fleetloc {
@@ -115,6 +116,37 @@ class FilledWindow : public testing::Test {
   int next_ = 4;
   SlidingWindow window_;
 };
+
+// What lies between others is known a little better than the oldest and the newest.
+TEST_F(FilledWindow, TiltOfEachKeyframeIsAsCertainAsItSays) {
+  constexpr int kSeeds = 12;
+  std::vector<double> nees(10, 0.0);
+  std::vector<double> sigma(10, 0.0);  // [rad]
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SimulatedRun::Config config = noisy();
+    config.seed = seed;
+    const SimulatedRun run(config);
+    SlidingWindow window(run.stereo(), run.noise(), config_, true_initialization(run, 40, 4, 6));
+    WindowEstimate estimate;
+    for (int i = 4; i < 16; ++i) {
+      const int frame = 40 + 6 * i;
+      estimate = window.add(keyframe_input(run, frame, frame - 6, static_cast<std::uint32_t>(i)));
+    }
+    for (std::size_t i = 0; i < nees.size(); ++i) {
+      const WindowKeyframe& keyframe = estimate.keyframes.at(i);
+      const Eigen::Quaterniond truth = run.truth(keyframe.stamp).T_odom_body.R;
+      const Eigen::Vector3d error = log_so3(keyframe.state.T_odom_body.R * truth.conjugate());
+      nees[i] += error.head<2>().squaredNorm() / (2.0 * std::pow(keyframe.tilt_sigma, 2)) / kSeeds;
+      sigma[i] += keyframe.tilt_sigma / kSeeds;
+    }
+  }
+  for (const double one : nees) {
+    EXPECT_GT(one, 0.2);
+    EXPECT_LT(one, 1.5);
+  }
+  EXPECT_LT(sigma[4], 0.995 * sigma.front());
+  EXPECT_LT(sigma[4], 0.995 * sigma.back());
+}
 
 TEST_F(FilledWindow, GrowsToItsSizeAndSlides) {
   EXPECT_EQ(window_.estimate().keyframes.size(), 4U);
