@@ -31,7 +31,7 @@ std::size_t resident_bytes() {
   return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// One end of a fleet, with keys or without.
+/// A fleet on loopback, with keys or without.
 class FloodedFleet {
  public:
   explicit FloodedFleet(bool has_keys) {
@@ -41,8 +41,7 @@ class FloodedFleet {
 
   [[nodiscard]] DdsChannel::Config member(ChannelRole role, const std::string& name) const {
     if (!keys_) return on_loopback(domain_.number(), role, name);
-    const std::string kind = role == ChannelRole::kRobot ? "robot" : "localizer";
-    return secure_on_loopback(domain_.number(), role, name, keys_->keys(kind, name));
+    return secure_on_loopback(domain_.number(), role, name, *keys_);
   }
   [[nodiscard]] std::uint32_t domain() const { return domain_.number(); }
 
@@ -51,7 +50,7 @@ class FloodedFleet {
   std::optional<FleetFolder> keys_;
 };
 
-/// @tparam  whether the fleet has keys
+/// By whether the fleet has keys.
 class Flood : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {

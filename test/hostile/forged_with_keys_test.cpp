@@ -19,8 +19,7 @@ class ForgedWithKeys : public testing::Test {
   ForgedWithKeys() { load_secure_profiles(); }
 
   [[nodiscard]] DdsChannel::Config member(ChannelRole role, const std::string& name) const {
-    const std::string kind = role == ChannelRole::kRobot ? "robot" : "localizer";
-    return secure_on_loopback(domain_.number(), role, name, fleet_.keys(kind, name));
+    return secure_on_loopback(domain_.number(), role, name, fleet_);
   }
 
   const FleetFolder fleet_{"campus"};

@@ -66,6 +66,15 @@ inline DdsChannel::Config secure_on_loopback(std::uint32_t domain,
           .keys = keys};
 }
 
+/// Of a member of the fleet, which is made if it is not there yet.
+inline DdsChannel::Config secure_on_loopback(std::uint32_t domain,
+                                             ChannelRole role,
+                                             const std::string& name,
+                                             const FleetFolder& fleet) {
+  const std::string kind = role == ChannelRole::kRobot ? "robot" : "localizer";
+  return secure_on_loopback(domain, role, name, fleet.keys(kind, name));
+}
+
 /// What a TransportError says.
 template <typename Action>
 std::string refusal(const Action& action) {
