@@ -1,6 +1,7 @@
 #include "test/system/recorded_flight.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <numbers>
 #include <optional>
@@ -37,6 +38,7 @@ Outcome must_run(const std::string& program, const std::vector<std::string>& arg
 }
 
 std::filesystem::path recordings() {
+  if (const char* elsewhere = std::getenv("RECORDINGS")) return elsewhere;
   return std::filesystem::path(FLEETLOC_SOURCE_DIR).parent_path() / "shared" / "data";
 }
 

@@ -22,7 +22,7 @@ inline constexpr bool kSanitized = false;
 /// Throws std::runtime_error with what the program said, unless it ends well.
 Outcome must_run(const std::string& program, const std::vector<std::string>& arguments);
 
-/// Where recordings for tests lie: beside the source tree, never in it.
+/// Where recordings for tests lie: $RECORDINGS, else beside the source tree; never in it.
 std::filesystem::path recordings();
 
 /// A recorded dataset, and what tests need of it.
