@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/common/Locator.h>
 
 #include "shared/transport/delay_line.hpp"
 #include "shared/transport/wire_link.hpp"

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/common/Locator.h>
 #include <fastdds/rtps/network/SenderResource.h>
 
 #include "shared/transport/workarounds/rtps_message.hpp"

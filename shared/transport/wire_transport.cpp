@@ -10,19 +10,14 @@
 #include <fastdds/rtps/transport/UDPTransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
-#include "shared/link/datagrams.hpp"
-#include "shared/transport/datagram_sender.hpp"
+#include "shared/transport/announcer.hpp"
 #include "shared/transport/delay_line.hpp"
-#include "shared/transport/discovery_pacing.hpp"
-#include "shared/transport/latest_announcement.hpp"
 #include "shared/transport/locators.hpp"
 #include "shared/transport/own_datagrams.hpp"
-#include "shared/transport/workarounds/announcement_repetition.hpp"
 #include "shared/transport/workarounds/datagram_check.hpp"
 #include "shared/transport/workarounds/gap_budget.hpp"
 #include "shared/transport/workarounds/handshake_message.hpp"
 #include "shared/transport/workarounds/initial_ack_pacing.hpp"
-#include "shared/transport/workarounds/repetition_copies.hpp"
 #include "shared/transport/workarounds/route_cache.hpp"
 #include "shared/transport/workarounds/statistics_removal.hpp"
 
@@ -34,8 +29,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr std::size_t kShortHandshakeBytes = 2000;  // without certificate and permissions
 
 /// Keeps the settings of the transport that it wraps.
 class WireDescriptor final : public fdr::ChainingTransportDescriptor {
@@ -68,11 +61,11 @@ class WireTransport final : public fdr::ChainingTransport {
       : ChainingTransport(descriptor),
         descriptor_(descriptor),
         link_(descriptor.link()),
-        sender_(*link_, delay_line_, descriptor.has_whitelist()),
-        discovery_(link_->role, link_->max_discovery_bytes_per_s),
-        repetition_(link_->max_copies),
         // A robot's narrow link bears no copies for somebody who may not hear it.
-        strangers_(link_->role == ChannelRole::kCloud ? link_->max_copies : 1) {}
+        strangers_(link_->role == ChannelRole::kCloud ? link_->max_copies : 1),
+        sender_(*link_, delay_line_, descriptor.has_whitelist()),
+        repeating_sender_(*link_, delay_line_, sender_, strangers_),
+        announcer_(link_->addresses, delay_line_, sender_, repeating_sender_, strangers_) {}
   ~WireTransport() override { stop(); }
   WireTransport(const WireTransport&) = delete;
   WireTransport& operator=(const WireTransport&) = delete;
@@ -116,22 +109,6 @@ class WireTransport final : public fdr::ChainingTransport {
     return link_->answered_heartbeats.includes(datagram, to) ||
            !link_->silent_servers.passes(to, now);
   }
-  bool send_as_often_as_needed(rtps::SenderResource* socket,
-                               RtpsBytes datagram,
-                               const fdr::LocatorList& destinations,
-                               Clock::time_point timeout);
-  /// Whoever has been heard and does not know this participant.
-  void announce_to_strangers(RtpsBytes datagram, Clock::time_point now);
-  void announce_again(const GuidPrefix& to, Clock::time_point due);
-  /// Whoever may be there, while nobody knows this participant.
-  void announce_to_all(Clock::time_point due);
-  /// In so many copies.
-  void announce(const LatestAnnouncement::Sent& announcement, int copies);
-  /// More of what the library repeats.
-  void repeat_where_it_is_lost(rtps::SenderResource* socket,
-                               RtpsBytes datagram,
-                               const fdr::LocatorList& destinations,
-                               Clock::time_point now);
   /// What comes behind the emulated link; on the thread of the delay line if there is one.
   void deliver(fdr::TransportReceiverInterface& receiver,
                RtpsBytes datagram,
@@ -140,15 +117,14 @@ class WireTransport final : public fdr::ChainingTransport {
 
   WireDescriptor descriptor_;
   std::shared_ptr<WireLink> link_;
+  AnnouncementRepetition strangers_;
   DatagramSender sender_;
+  RepeatingSender repeating_sender_;
+  Announcer announcer_;
   RouteCache routes_;  // with each participant anew, so after each change of addresses
   OwnDatagrams own_;
   GapBudget gaps_;
   InitialAckPacing initial_acks_;
-  DiscoveryPacing discovery_;
-  RepetitionCopies repetition_;
-  AnnouncementRepetition strangers_;
-  LatestAnnouncement announcement_;
   DelayLine delay_line_;  // last, so that it ends before what it uses
 };
 
@@ -187,58 +163,14 @@ bool WireTransport::send(rtps::SenderResource* socket,
   const RtpsBytes datagram = without_statistics({buffer, size});
   const Clock::time_point now = Clock::now();
   if (sender_.begins_with(socket) && link_->role == ChannelRole::kRobot && link_->max_copies > 1) {
-    announce_to_all(now + AnnouncementRepetition::kFirstToAll);
+    announcer_.announce_to_all_from(now);
   }
   own_.sent(datagram);
   if (sender_.is_first(socket) && !initial_acks_.passes(datagram, now)) return true;
   if (is_handshake_for_another(datagram)) return true;
   const fdr::LocatorList destinations = useful(datagram, *begin, *end, now);
-  announcement_.sent(socket, datagram, destinations);
-  return send_as_often_as_needed(socket, datagram, destinations, timeout);
-}
-
-// Discovery is repeated where it is lost, and waits where the profile limits it.
-bool WireTransport::send_as_often_as_needed(rtps::SenderResource* socket,
-                                            RtpsBytes datagram,
-                                            const fdr::LocatorList& destinations,
-                                            Clock::time_point timeout) {
-  if (destinations.empty()) return true;
-  const auto limited = discovery_.limited(datagram, locator_of(*destinations.begin()));
-  if (!limited) {
-    repeat_where_it_is_lost(socket, datagram, destinations, Clock::now());
-    return sender_.send(socket, datagram, destinations, timeout);
-  }
-  for (const rtps::Locator_t& to : destinations) {
-    if (!sender_.reaches(socket, to)) continue;
-    auto send = sender_.sending(socket, datagram, to);
-    // The last message of an authentication, which its sender repeats only if it hears the one
-    // before again, and that is four times as long.
-    if (limited->is_handshake && datagram.size() < kShortHandshakeBytes) send = sender_.twice(send);
-    discovery_.send_later(*limited, datagram.size(), socket, locator_of(to), send, delay_line_);
-  }
-  return true;
-}
-
-void WireTransport::repeat_where_it_is_lost(rtps::SenderResource* socket,
-                                            RtpsBytes datagram,
-                                            const fdr::LocatorList& destinations,
-                                            Clock::time_point now) {
-  if (link_->max_copies <= 1) return;
-  if (!strangers_.is_known()) return;           // nobody would understand it
-  if (participant_sample_in(datagram)) return;  // as often as the profile says
-  const auto repeated = RepeatedDatagram::read(datagram);
-  if (!repeated || repeated->is_handshake) return;  // copies of those were no gain
-  for (const rtps::Locator_t& to : destinations) {
-    if (!sender_.reaches(socket, to)) continue;
-    RepeatedDatagram addressed = *repeated;
-    addressed.address_to(socket, locator_of(to));
-    sender_.send_copies(
-        socket,
-        datagram,
-        to,
-        repetition_.copies(addressed, locator_of(to), datagram.size() + kIpUdpBytes, now) - 1,
-        now);
-  }
+  announcer_.sent(socket, datagram, destinations);
+  return repeating_sender_.send(socket, datagram, destinations, timeout);
 }
 
 // Called by Fast DDS with the addresses of each participant, again whenever they change.
@@ -294,53 +226,8 @@ void WireTransport::deliver(fdr::TransportReceiverInterface& receiver,
   link_->addresses.heard(sender_of(datagram), locator_of(remote).address, now);
   link_->traffic.received(size);
   if (link_->role == ChannelRole::kRobot && announces_robot(datagram)) return;
-  announce_to_strangers(datagram, now);
+  if (const auto own = own_.prefix()) announcer_.heard(datagram, *own, now);
   receiver.OnDataReceived(recounted ? recounted->data() : datagram.data(), size, local, remote);
-}
-
-void WireTransport::announce_to_strangers(RtpsBytes datagram, Clock::time_point now) {
-  const auto own = own_.prefix();
-  if (!own) return;
-  if (const auto pause = strangers_.heard(datagram, *own, now)) {
-    announce_again(sender_of(datagram), now + *pause);
-  }
-}
-
-void WireTransport::announce_again(const GuidPrefix& to, Clock::time_point due) {
-  delay_line_.at(due, [this, to, due] {
-    const auto again = strangers_.again(to);
-    if (!again) return;
-    LatestAnnouncement::Sent announcement = announcement_.latest();
-    fdr::LocatorList its_own;
-    for (const rtps::Locator_t& one : announcement.destinations) {
-      if (link_->addresses.is_of(to, locator_of(one))) its_own.push_back(one);
-    }
-    if (!its_own.empty()) announcement.destinations = its_own;
-    announce(announcement, its_own.empty() ? 1 : again->copies);
-    announce_again(to, due + again->next);
-  });
-}
-
-void WireTransport::announce_to_all(Clock::time_point due) {
-  delay_line_.at(due, [this, due] {
-    const auto pause = strangers_.again_to_all();
-    if (!pause) return;
-    announce(announcement_.latest(), 1);
-    announce_to_all(due + *pause);
-  });
-}
-
-void WireTransport::announce(const LatestAnnouncement::Sent& announcement, int copies) {
-  if (announcement.datagram.empty()) return;
-  const Clock::time_point now = Clock::now();
-  for (rtps::SenderResource* socket : announcement.sockets) {
-    send_as_often_as_needed(
-        socket, announcement.datagram, announcement.destinations, now + DatagramSender::kPatience);
-    for (const rtps::Locator_t& to : announcement.destinations) {
-      if (!sender_.reaches(socket, to)) continue;
-      sender_.send_copies(socket, announcement.datagram, to, copies - 1, now);
-    }
-  }
 }
 
 fdr::TransportInterface* WireDescriptor::create_transport() const {

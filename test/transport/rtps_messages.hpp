@@ -125,6 +125,18 @@ inline Bytes announcement(const std::vector<std::pair<std::uint16_t, std::uint16
   return submessage(0x15, 1 | 4, body.written());
 }
 
+/// Names the participant whom what follows is for.
+inline Bytes info_destination(const GuidPrefix& to) {
+  return submessage(0x0e, 1, {to.begin(), to.end()});
+}
+
+/// A datagram in which a participant announces itself, without parameters.
+inline Bytes announced_by(const GuidPrefix& from) {
+  const auto body =
+      ByteWriter().u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1).zeros(8);
+  return message_of({submessage(0x15, 1 | 4, body.written())}, from);
+}
+
 /// Of DDS Security. Kinds 1 and 3 sign, 2 and 4 encrypt.
 inline Bytes secure_prefix(std::uint8_t kind, std::uint8_t id = 0x31, std::uint32_t key = 0) {
   return submessage(id, 1, ByteWriter().bytes({0, 0, 0, kind}).entity(key).zeros(12).written());

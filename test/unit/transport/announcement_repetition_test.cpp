@@ -16,16 +16,6 @@ using std::chrono::seconds;
 constexpr GuidPrefix kOwn{1, 15, 7};
 constexpr GuidPrefix kOther{1, 15, 8};
 
-Bytes info_destination(const GuidPrefix& to) {
-  return submessage(0x0e, 1, {to.begin(), to.end()});
-}
-
-Bytes announced_by(const GuidPrefix& from = kOther) {
-  const auto body =
-      ByteWriter().u16(0).u16(16).entity(0).entity(kParticipantWriter).sequence_number(1).zeros(8);
-  return message_of({submessage(0x15, 1 | 4, body.written())}, from);
-}
-
 class AnnouncementRepetitionTest : public testing::Test {
  protected:
   std::optional<AnnouncementRepetition::Pause> hear(const Bytes& datagram) {
@@ -45,7 +35,7 @@ class AnnouncementRepetitionTest : public testing::Test {
 };
 
 TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver) {
-  ASSERT_EQ(hear(announced_by()), milliseconds(500));
+  ASSERT_EQ(hear(announced_by(kOther)), milliseconds(500));
   EXPECT_EQ(repetition_.again(kOther)->next, seconds(1));
   EXPECT_EQ(repetition_.again(kOther)->next, seconds(2));
   EXPECT_LT(all_pauses(kOther), minutes(1));
@@ -54,13 +44,13 @@ TEST_F(AnnouncementRepetitionTest, RepeatsForWhoIsNewEverMoreSeldomAndNotForEver
 }
 
 TEST_F(AnnouncementRepetitionTest, SendsMoreCopiesEachTime) {
-  ASSERT_TRUE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
   for (const int copies : {2, 4, 8, 8, 8}) EXPECT_EQ(repetition_.again(kOther)->copies, copies);
 }
 
 TEST_F(AnnouncementRepetitionTest, RepeatsForWhoeverMayBeThereUntilItIsKnownOrMinutesHavePassed) {
   EXPECT_EQ(repetition_.again_to_all(), seconds(1));
-  ASSERT_TRUE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
   EXPECT_EQ(repetition_.again_to_all(), seconds(8));
   AnnouncementRepetition::Pause sum{};
   while (const auto pause = repetition_.again_to_all()) sum += *pause;
@@ -73,13 +63,13 @@ TEST_F(AnnouncementRepetitionTest, RepeatsForWhoeverMayBeThereUntilItIsKnownOrMi
 }
 
 TEST_F(AnnouncementRepetitionTest, IsToldOfEachOnce) {
-  ASSERT_TRUE(hear(announced_by()));
-  EXPECT_FALSE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
+  EXPECT_FALSE(hear(announced_by(kOther)));
   EXPECT_TRUE(hear(announced_by({1, 15, 9})));
 }
 
 TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
-  ASSERT_TRUE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
   EXPECT_FALSE(repetition_.is_known());
   EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
   EXPECT_TRUE(repetition_.is_known());
@@ -87,24 +77,24 @@ TEST_F(AnnouncementRepetitionTest, EndsWhenItIsKnownThere) {
 }
 
 TEST_F(AnnouncementRepetitionTest, GoesOnWhileOthersAreAddressed) {
-  ASSERT_TRUE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
   EXPECT_FALSE(hear(message_of({info_destination({1, 15, 9}), ack_nack(1)}, kOther)));
   EXPECT_TRUE(repetition_.again(kOther));
 }
 
 TEST_F(AnnouncementRepetitionTest, LeavesAloneWhoKnowsItAlready) {
   EXPECT_FALSE(hear(message_of({info_destination(kOwn), ack_nack(1)}, kOther)));
-  EXPECT_FALSE(hear(announced_by()));
+  EXPECT_FALSE(hear(announced_by(kOther)));
   EXPECT_FALSE(repetition_.again(kOther));
 }
 
 TEST_F(AnnouncementRepetitionTest, IsOfAnnouncementsAlone) {
   EXPECT_FALSE(hear(message_of({heartbeat(1, 4)}, kOther)));
-  EXPECT_TRUE(hear(announced_by()));
+  EXPECT_TRUE(hear(announced_by(kOther)));
 }
 
 TEST_F(AnnouncementRepetitionTest, RemembersNoMoreThanManyAndThoseThatItKnowsAreStillHeard) {
-  ASSERT_TRUE(hear(announced_by()));
+  ASSERT_TRUE(hear(announced_by(kOther)));
   int new_ones = 1;
   for (int i = 0; i < 20'000; ++i) {
     const GuidPrefix somebody{
