@@ -118,6 +118,7 @@ template struct RelativeMarginals::Covariances<3>;
 template struct RelativeMarginals::Covariances<6>;
 
 int correctable_keyframes(Duration interval, Duration round_trip, const CorrectionConfig& config) {
+  if (interval <= Duration::zero()) return 0;  // stamps are what a robot says
   const double newer = to_seconds(round_trip) / to_seconds(interval);
   if (newer >= config.robot_window) return 0;
   return std::min(config.keyframes, config.robot_window - static_cast<int>(newer));

@@ -58,7 +58,7 @@ struct RelativeMarginals {
 
 /// How many of the latest keyframes (the paper's l) the robot will still have in its window when a
 /// correction arrives, at most `config.keyframes`.
-/// @param interval    between keyframes, positive
+/// @param interval    between keyframes; none are corrected if it is not positive
 /// @param round_trip  of the network: from sending a keyframe to the arrival of its answer
 int correctable_keyframes(Duration interval, Duration round_trip, const CorrectionConfig& config);
 

@@ -296,5 +296,25 @@ TEST(MapCorrection, LeavesOutWhatTheRobotWillNotHaveInItsWindowAnyMore) {
   EXPECT_FALSE(localizer.correction(from_seconds(10.1 * to_seconds(interval))));
 }
 
+TEST(MapCorrections, AreOfTheKeyframesThatTheRobotStillHas) {
+  using std::chrono::seconds;
+  CorrectionConfig config = localizer_config().corrections;
+  config.keyframes = 8;
+  config.robot_window = 10;
+  EXPECT_EQ(correctable_keyframes(seconds(1), seconds(0), config), 8);
+  EXPECT_EQ(correctable_keyframes(seconds(1), seconds(4), config), 6);
+  EXPECT_EQ(correctable_keyframes(seconds(1), seconds(10), config), 0);
+}
+
+// Stamps are what a robot says: they may all be the same.
+TEST(MapCorrections, AreOfNoneIfTheirStampsDoNotIncrease) {
+  using std::chrono::seconds;
+  const CorrectionConfig config = localizer_config().corrections;
+  for (const Duration round_trip : {seconds(0), seconds(1)}) {
+    EXPECT_EQ(correctable_keyframes(seconds(0), round_trip, config), 0);
+    EXPECT_EQ(correctable_keyframes(-seconds(1), round_trip, config), 0);
+  }
+}
+
 }  // namespace
 }  // namespace fleetloc
