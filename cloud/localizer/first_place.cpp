@@ -137,7 +137,7 @@ SearchRegion FirstPlace::heights_above_ground(const std::optional<double>& camer
 }
 
 // Wherever it looked from there, the landmarks' mean is as far from where it began. A storey is so
-// much above the map's ground as that is uneven there.
+// much above the map's ground as that is uneven there, and the robot may have climbed since.
 void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
                                     const std::optional<double>& view_ground_m,
                                     SearchRegion& region) const {
@@ -155,7 +155,8 @@ void FirstPlace::restrict_to_region(const std::vector<SeenLandmark>& landmarks,
   if (!is_storey_told()) return;
   const auto [lowest_ground_m, highest_ground_m] =
       pyramid_->ground().range(region.min_map.head<2>(), region.max_map.head<2>());
-  const double robot_m = view_ground_m ? 0.0 : hypotheses_.view().T_odom_body.p.z();
+  const double robot_m =
+      region_->p_odom.z() - (view_ground_m ? hypotheses_.view().T_odom_body.p.z() : 0.0);
   region.min_map.z() = mean.z() + where.lowest_m - highest_ground_m - robot_m - cell_m;
   region.max_map.z() = mean.z() + where.highest_m - lowest_ground_m - robot_m + cell_m;
 }

@@ -77,6 +77,17 @@ TEST(FirstPlaceInRegion, IsFoundInTheStoreyThatIsTold) {
   EXPECT_GE(found_in(above, {.lowest_m = 7.0, .highest_m = 11.5}, true), 2);
 }
 
+TEST(FirstPlaceInRegion, IsFoundInTheStoreyThatIsToldThoughItHasClimbedSince) {
+  const Eigen::Vector3d climbed(0.0, 0.0, 5.0);
+  const auto pyramid = make_pyramid(*room_map(), kSmallPyramid);
+  const SimulatedSession robot({.seed = 1});
+  RobotSession session = began_in_region(robot);
+  session.region->p_odom -= climbed;
+  const MapRegion cellar{.lowest_m = -6.0, .highest_m = -1.5};
+  SessionLocalizer localizer(session, room_map(), localizer_config(), pyramid, cellar);
+  EXPECT_TRUE(first_localized(localizer, robot, kKeyframesSearched));
+}
+
 TEST(FirstPlaceInRegion, IsAmbiguousInOneOfTwoStoreysOfWhichNoneIsTold) {
   const Eigen::Vector3d above(0.0, 0.0, 8.0);
   const auto rooms = two_rooms(above);
