@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -13,6 +12,10 @@
 
 namespace fleetloc {
 namespace {
+
+DelayedFrames::AnswerRank rank_of(const LocalizationResult& answer) {
+  return {answer.revision, answer.incarnation, answer.localizer};
+}
 
 bool is_finite(const Pose& pose) {
   return pose.R.coeffs().allFinite() && pose.p.allFinite();
@@ -73,7 +76,9 @@ expected<void, FusionRejection> DelayedFrames::add_odometry(const OdometryEstima
   if (last_imu_ && estimate.stamp < last_imu_->stamp && !imu_.covers(estimate.stamp)) {
     return unexpected(FusionRejection::kBeforeImu);
   }
-  frames_.push_back({.odometry = estimate, .drift = drift_.step(estimate), .answer = std::nullopt});
+  Frame& frame = frames_.emplace_back();
+  frame.odometry = estimate;
+  frame.drift = drift_.step(estimate);
   predict_from_newest();
   return {};
 }
@@ -130,16 +135,16 @@ expected<std::size_t, FusionRejection> DelayedFrames::add_answer(const Localizat
   const auto index = frame_of(answer.stamp);
   if (!index) return index;
   Frame& frame = frames_[*index];
-  if (frame.answer) {
-    // A total order: the choice among several answers to a frame is independent of their arrival.
-    const LocalizationMeasurement& known = frame.answer->measurement;
-    const auto rank = std::tie(answer.revision, answer.incarnation, answer.localizer);
-    const auto known_rank = std::tie(frame.answer->revision, known.incarnation, known.localizer);
-    if (rank == known_rank) return unexpected(FusionRejection::kDuplicate);
-    if (rank < known_rank) return unexpected(FusionRejection::kOlderThanApplied);
+  const AnswerRank rank = rank_of(answer);
+  if (frame.answer && rank == frame.answer->rank) return unexpected(FusionRejection::kDuplicate);
+  if (frame.answer && rank < frame.answer->rank) {
+    return unexpected(FusionRejection::kOlderThanApplied);
+  }
+  if (frame.lost_by && rank <= *frame.lost_by) {
+    return unexpected(FusionRejection::kOlderThanApplied);
   }
   frame.answer = StoredMeasurement{
-      .revision = answer.revision,
+      .rank = rank,
       .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
       .outcome = std::nullopt};
   return index;
@@ -148,7 +153,15 @@ expected<std::size_t, FusionRejection> DelayedFrames::add_answer(const Localizat
 expected<std::size_t, FusionRejection> DelayedFrames::add_loss(const LocalizationResult& answer) {
   if (session_ && answer.session != *session_) return unexpected(FusionRejection::kWrongSession);
   const auto index = frame_of(answer.stamp);
-  if (index) frames_[*index].is_lost = true;
+  if (!index) return index;
+  Frame& frame = frames_[*index];
+  const AnswerRank rank = rank_of(answer);
+  if (frame.answer && rank < frame.answer->rank) {
+    return unexpected(FusionRejection::kOlderThanApplied);
+  }
+  frame.is_lost = true;
+  frame.lost_by = std::max(frame.lost_by, std::optional(rank));
+  frame.answer.reset();
   return index;
 }
 

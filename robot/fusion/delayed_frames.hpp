@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <string>
+#include <tuple>
 
 #include "robot/fusion/answer_outcome.hpp"
 #include "robot/fusion/imu_prediction.hpp"
@@ -19,16 +21,20 @@ namespace fleetloc {
 /// frame is the odom pose.
 class DelayedFrames {
  public:
+  /// A total order: which one of several answers to a frame counts does not depend on their
+  /// arrival.
+  using AnswerRank = std::tuple<Revision, Incarnation, std::string>;
   struct StoredMeasurement {
-    Revision revision{};
+    AnswerRank rank;
     LocalizationMeasurement measurement;
     std::optional<AnswerOutcome> outcome;  ///< none before the first replay
   };
   struct Frame {
     OdometryEstimate odometry;
-    DriftStep drift;       ///< since the frame before
-    bool is_lost = false;  ///< so said an answer to it; `answer` is newer
-    std::optional<StoredMeasurement> answer;
+    DriftStep drift;  ///< since the frame before
+    bool is_lost = false;
+    std::optional<AnswerRank> lost_by;        ///< the answer that said so, if one did
+    std::optional<StoredMeasurement> answer;  ///< of a higher rank than that
   };
 
   DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config);

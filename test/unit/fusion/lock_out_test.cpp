@@ -234,6 +234,24 @@ LocalizationResult lost(LocalizationResult said) {
   return said;
 }
 
+// Two answers to one frame, in either order: the one of the newer revision counts.
+TEST_P(LockOut, APlaceThatIsTakenBackIsNotGivenAgainByAnOlderAnswerToTheSameFrame) {
+  fed_.drive_to(66.0);
+  LocalizationResult older = answer(65.0, elsewhere(3.0) * fed_.drive.pose(65.0));
+  LocalizationResult newer = lost(older);
+  newer.revision = Revision{static_cast<std::uint32_t>(older.revision) + 1};
+  EXPECT_TRUE(fed_.fusion.add_answer(older));
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_EQ(name(fed_.fusion.add_answer(newer)), "not_localized");
+  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_EQ(name(fed_.fusion.add_answer(older)), "older_than_applied");
+  EXPECT_EQ(quality(), Quality::kLost);
+  older.revision = Revision{static_cast<std::uint32_t>(older.revision) + 2};
+  EXPECT_TRUE(fed_.fusion.add_answer(older));
+  EXPECT_EQ(name(fed_.fusion.add_answer(newer)), "not_localized");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+}
+
 // Whatever had confirmed the place before: as after somebody carried the robot away.
 TEST_P(LockOut, APlaceThatTheLocalizerTakesBackYieldsToItsNextAnswer) {
   for (int i = 1; i < 4; ++i) EXPECT_TRUE(same_again(21.0 * i).has_value());
