@@ -8,6 +8,14 @@
 
 namespace fleetloc {
 
+/// A correction that a robot can only count: of a landmark that it has never seen.
+inline Correction of_unknown_landmark(KeyframeId anchor) {
+  Correction correction;
+  correction.anchor = anchor;
+  correction.landmarks.push_back({.id = LandmarkId{4'000'000'000}});
+  return correction;
+}
+
 /// Answers each submap at once, 2 cm and 0.2 degrees (one sigma) uncertain but without error.
 class TruthfulLocalizer final : public MapLocalizer {
  public:
@@ -36,6 +44,7 @@ class TruthfulLocalizer final : public MapLocalizer {
     answer.T_map_body = T_map_body_(newest.stamp);
     answer.covariance.diagonal() << 1e-5, 1e-5, 1e-5, 4e-4, 4e-4, 4e-4;
     answers_.push_back(answer);
+    if (correcting) correction = of_unknown_landmark(newest.id);
   }
   [[nodiscard]] std::vector<LocalizationResult> take_answers(Timestamp /*now*/) override {
     return std::exchange(answers_, {});
@@ -48,6 +57,7 @@ class TruthfulLocalizer final : public MapLocalizer {
   [[nodiscard]] LinkTraffic traffic() const override { return {}; }
 
   bool answering = true;
+  bool correcting = false;               // with each answer
   std::optional<Correction> correction;  // the next one
   std::vector<RobotSession> sessions;
   std::vector<int> submaps_of_session;

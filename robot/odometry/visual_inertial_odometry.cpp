@@ -184,7 +184,8 @@ bool VisualInertialOdometry::add_keyframe(const TrackedFrame& frame,
                                 .frame = outlier_tracks_.removed_from(frame),
                                 .imu = std::move(imu),
                                 .standstill = imu_.left_out(latest_keyframe_.stamp, frame.stamp),
-                                .correction = std::exchange(correction_, std::nullopt)},
+                                .correction = std::exchange(correction_, std::nullopt),
+                                .forgets_corrections = std::exchange(forgets_corrections_, false)},
                   frame.stamp);
   back_end_busy_ = true;
   latest_keyframe_ = {.id = id, .stamp = frame.stamp};

@@ -116,6 +116,11 @@ class VisualInertialOdometry {
 
   /// A correction of the cloud, for the next keyframe; a newer one replaces it.
   void add_correction(Correction correction) { correction_ = std::move(correction); }
+  /// The place in the map that all corrections until now are of has been given up.
+  void forget_corrections() {
+    correction_.reset();
+    forgets_corrections_ = true;
+  }
 
   /// The window that the back end has finished, if it has one; or why that window reset the
   /// odometry.
@@ -173,6 +178,7 @@ class VisualInertialOdometry {
   bool back_end_busy_ = false;
   OutlierTracks outlier_tracks_;
   std::optional<Correction> correction_;
+  bool forgets_corrections_ = false;  // with the next keyframe
   Continuation continuation_;
   OdometryStatistics statistics_;
   std::map<std::string, std::uint64_t> faults_ = {{"imu_gaps", 0},

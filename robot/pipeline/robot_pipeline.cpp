@@ -65,6 +65,7 @@ void RobotPipeline::place(const GivenPose& given) {
   const auto start = session_start_.place(given, then.value_or(latest_pose_).T_odom_body);
   ++placements_;
   fusion_->forget_map(session());
+  odometry_.forget_corrections();
   const bool is_tracking = odometry_.phase() == VisualInertialOdometry::Phase::kTracking;
   if (localizer_ == nullptr || !is_tracking) return;  // or with the next odometry
   localizer_->restart_session(announced(start), *last_imu_);
@@ -189,11 +190,16 @@ RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& star
   return announced;
 }
 
+// Corrections come with the answer to their anchor, and are worth what that is.
 void RobotPipeline::fuse_answers(Timestamp now) {
+  std::optional<KeyframeId> gated;
   for (LocalizationResult& answer : localizer_->take_answers(now)) {
     const std::optional<Vector6d> innovation = innovation_of(answer);
     const AnswerOutcome outcome = fusion_->add_answer(answer);
     if (outcome) localizer_->note_applied();
+    if (outcome == unexpected(FusionRejection::kGated)) gated = answer.keyframe;
+    const bool is_elsewhere = outcome && *outcome == AnswerEffect::kRestarted;
+    if (is_elsewhere || answer.status == LocalizationStatus::kLost) odometry_.forget_corrections();
     answer.stamp = time_.stamp_of(answer.stamp);
     answer.oldest_stamp = time_.stamp_of(answer.oldest_stamp);
     answers_.push_back({.answer = std::move(answer),
@@ -201,9 +207,8 @@ void RobotPipeline::fuse_answers(Timestamp now) {
                         .outcome = outcome,
                         .innovation = innovation});
   }
-  if (auto correction = localizer_->take_correction()) {
-    odometry_.add_correction(std::move(*correction));
-  }
+  auto correction = localizer_->take_correction();
+  if (correction && correction->anchor != gated) odometry_.add_correction(*std::move(correction));
 }
 
 std::optional<Vector6d> RobotPipeline::innovation_of(const LocalizationResult& answer) const {

@@ -252,6 +252,7 @@ const WindowEstimate& SlidingWindow::estimate() const {
 
 WindowEstimate SlidingWindow::add(const KeyframeInput& keyframe) {
   state_->append_predicted(keyframe);
+  if (keyframe.forgets_corrections) forget_corrections(state_->graph);
   const MergeCount merged = state_->take_over(keyframe.correction);
   state_->optimize_and_slide(1);
   state_->estimate.diagnostics.corrections_applied = merged.applied;

@@ -19,6 +19,7 @@ struct KeyframeInput {
   Duration standstill{};  ///< time that `imu` leaves out, since the body stood still
   /// The newest that has arrived since the previous keyframe, of the same session.
   std::optional<Correction> correction = std::nullopt;
+  bool forgets_corrections = false;  ///< all before this one: of a place that has been given up
 };
 
 /// Initial states of a window; see Initializer.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <memory>
+#include <utility>
 
 #include "robot/vio/correction_factors.hpp"
 #include "robot/vio/window_graph.hpp"
@@ -13,6 +14,11 @@ namespace {
 GraphKeyframe* keyframe_of(WindowGraph& graph, KeyframeId id) {
   const auto found = std::ranges::find(graph.keyframes, id, &GraphKeyframe::id);
   return found != graph.keyframes.end() ? &*found : nullptr;
+}
+
+// A keyframe that arrived late parts a pair that spanned it: both would tell the same twice.
+bool share_way(const WindowCorrections::Pair& a, const Correction::RelativePose& b) {
+  return a.first < b.to && b.from < a.second;
 }
 
 bool is_active(const WindowGraph& graph, LandmarkId id) {
@@ -56,16 +62,26 @@ MergeCount merge(const Correction& correction, WindowGraph& graph) {
       }
     }
   }
+  auto older = std::exchange(known.relative_poses, {});
+  std::map<WindowCorrections::Pair, Correction::RelativePose> newest;
   for (const Correction::RelativePose& relative : correction.relative_poses) {
     assert(finite(relative));
     if (keyframe_of(graph, relative.from) != nullptr &&
         keyframe_of(graph, relative.to) != nullptr) {
-      known.relative_poses[{relative.from, relative.to}] = relative;
+      std::erase_if(older, [&](const auto& item) { return share_way(item.first, relative); });
+      newest[{relative.from, relative.to}] = relative;
       ++count.applied;
     }
   }
+  newest.merge(older);
+  known.relative_poses = std::move(newest);
   count.ignored = size_of(correction) - count.applied;
   return count;
+}
+
+void forget_corrections(WindowGraph& graph) {
+  graph.corrections.landmarks.clear();
+  graph.corrections.relative_poses.clear();
 }
 
 void drop_stale_corrections(WindowGraph& graph) {

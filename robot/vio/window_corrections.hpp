@@ -13,9 +13,9 @@ struct WindowGraph;
 struct GraphFactor;
 
 /// The cloud's constraints on the states of a window: one e_pp per landmark and one e_rt per pair
-/// of keyframes, from the newest answer that contains them. They enter the optimization only:
-/// covariance, prior and submap are from the robot's own measurements, or the cloud would count its
-/// map twice.
+/// of keyframes, from the newest answer that contains them; pairs do not overlap. They enter the
+/// optimization only: covariance, prior and submap are from the robot's own measurements, or the
+/// cloud would count its map twice.
 struct WindowCorrections {
   struct Landmark {
     KeyframeId anchor{};
@@ -39,6 +39,9 @@ int size_of(const Correction& correction);
 /// Adds the constraints on keyframes and active landmarks of the window. The correction must be
 /// finite and its informations positive semi-definite.
 MergeCount merge(const Correction& correction, WindowGraph& graph);
+
+/// Drops all constraints, but not what tells which answers are outdated.
+void forget_corrections(WindowGraph& graph);
 
 /// Drops constraints on keyframes and landmarks that have left the window.
 void drop_stale_corrections(WindowGraph& graph);

@@ -119,6 +119,18 @@ TEST_F(VisualInertialOdometryTest, CountsWhatItsWindowsTakeOfCorrections) {
   EXPECT_EQ(statistics.corrections_applied + statistics.corrections_ignored, all);
 }
 
+TEST_F(VisualInertialOdometryTest, ForgetsACorrectionThatIsOfAPlaceGivenUp) {
+  play(5.0);
+  ASSERT_TRUE(window_);
+  odometry_.add_correction(SimulatedCloud{}.correction(run_, *window_));
+  odometry_.forget_corrections();
+  play(6.0);
+  EXPECT_EQ(odometry_.statistics().corrections_applied, 0U);
+  odometry_.add_correction(SimulatedCloud{}.correction(run_, *window_));
+  play(7.0);
+  EXPECT_GT(odometry_.statistics().corrections_applied, 0U);
+}
+
 TEST_F(VisualInertialOdometryTest, WaitsAfterAResetForTheJobOfTheOdometryBefore) {
   play(5.0);
   back_end_.is_held = true;

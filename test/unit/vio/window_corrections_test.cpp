@@ -54,6 +54,30 @@ TEST_F(WindowCorrectionsTest, AreOneForEachLandmarkAndPairAndTheNewestWins) {
             pair.T_from_to.p);
 }
 
+TEST_F(WindowCorrectionsTest, OfPairsThatANewerOnePartsOrSpansAreReplaced) {
+  merge(correction_, graph_);
+  const std::size_t pairs = graph_.corrections.relative_poses.size();
+  const Correction::RelativePose spanning{id_of(1), id_of(3), {}, Matrix6d::Identity()};
+  Correction second = correction_;
+  second.relative_poses = {spanning};
+  merge(second, graph_);
+  EXPECT_EQ(graph_.corrections.relative_poses.size(), pairs - 1);
+  EXPECT_TRUE(graph_.corrections.relative_poses.contains({id_of(1), id_of(3)}));
+  merge(correction_, graph_);
+  EXPECT_EQ(graph_.corrections.relative_poses.size(), pairs);
+  EXPECT_FALSE(graph_.corrections.relative_poses.contains({id_of(1), id_of(3)}));
+}
+
+TEST_F(WindowCorrectionsTest, AreForgottenAndThoseOfOvertakenAnswersStayOutdated) {
+  merge(correction_, graph_);
+  forget_corrections(graph_);
+  EXPECT_TRUE(correction_factors(graph_).empty());
+  Correction late = correction_;
+  late.anchor = id_of(1);
+  EXPECT_EQ(merge(late, graph_).applied, 0);
+  EXPECT_GT(merge(correction_, graph_).applied, 0);
+}
+
 TEST_F(WindowCorrectionsTest, OfAnAnswerThatWasOvertakenAreIgnored) {
   merge(correction_, graph_);
   Correction late = correction_;
