@@ -21,7 +21,7 @@ using testing::Ge;
 using testing::SizeIs;
 
 constexpr GuidPrefix kThisOne{1, 15, 7};
-constexpr GuidPrefix kStranger{1, 15, 8};
+constexpr GuidPrefix kNewcomer{1, 15, 8};
 constexpr int kCopies = 4;
 
 Locator_t address(std::uint8_t last) {
@@ -32,7 +32,7 @@ Locator_t address(std::uint8_t last) {
 
 /// What says to this participant that it is known.
 Bytes addressed_to_own() {
-  return message_of({info_destination(kThisOne), ack_nack(1)}, kStranger);
+  return message_of({info_destination(kThisOne), ack_nack(1)}, kNewcomer);
 }
 
 class AnnouncerTest : public testing::Test {
@@ -62,7 +62,7 @@ class AnnouncerTest : public testing::Test {
 
 TEST_F(AnnouncerTest, RepeatsToEverybodyWhileTheStrangersAddressIsNotKnownAndTakesItsTime) {
   const auto heard = Clock::now();
-  announcer_.heard(announced_by(kStranger), kThisOne, heard);
+  announcer_.heard(announced_by(kNewcomer), kThisOne, heard);
   const auto sent = socket_.wait_for(4);
   ASSERT_THAT(sent, SizeIs(4));
   EXPECT_THAT(sent[0], to(1));
@@ -74,8 +74,8 @@ TEST_F(AnnouncerTest, RepeatsToEverybodyWhileTheStrangersAddressIsNotKnownAndTak
 
 TEST_F(AnnouncerTest, RepeatsToTheStrangersOwnAddressInCopies) {
   const auto heard = Clock::now();
-  link_.addresses.announced(kStranger, locator_of(address(2)), heard);
-  announcer_.heard(announced_by(kStranger), kThisOne, heard);
+  link_.addresses.announced(kNewcomer, locator_of(address(2)), heard);
+  announcer_.heard(announced_by(kNewcomer), kThisOne, heard);
   const auto sent = socket_.wait_for(2 + 4);
   ASSERT_THAT(sent, SizeIs(Ge(2 + 4)));
   EXPECT_THAT(sent, Each(to(2)));
@@ -84,7 +84,7 @@ TEST_F(AnnouncerTest, RepeatsToTheStrangersOwnAddressInCopies) {
 
 TEST_F(AnnouncerTest, IsSilentOnceTheStrangerKnowsThisParticipant) {
   const auto now = Clock::now();
-  announcer_.heard(announced_by(kStranger), kThisOne, now);
+  announcer_.heard(announced_by(kNewcomer), kThisOne, now);
   announcer_.heard(addressed_to_own(), kThisOne, now);
   EXPECT_THAT(socket_.wait_for(1, milliseconds(700)), SizeIs(0));
 }
