@@ -30,8 +30,7 @@ using Words = std::vector<std::string>;
 constexpr double kFaultAt = 12.0;  // into the drive of robot_1 [s]
 constexpr double kUnderWay = 6.0;  // likewise of any robot: it has answers [s]
 constexpr double kDrive = 50.0;    // of each robot [s]
-// At most [s of data]: once nothing is in the way, and when the other localizer has to take over,
-// for a robot moves only after 3 s and four round trips without an answer.
+// At most [s of data]: once nothing is in the way, and when the other localizer has to take over.
 constexpr double kAnsweredAfter = 5.0;
 constexpr double kTakenOverAfter = 10.0;
 
