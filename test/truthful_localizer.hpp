@@ -38,7 +38,7 @@ class TruthfulLocalizer final : public MapLocalizer {
     answer.session = sessions.back().session;
     answer.localizer = "truthful";
     answer.keyframe = newest.id;
-    answer.status = LocalizationStatus::kLocalized;
+    answer.status = status;
     answer.stamp = newest.stamp;
     answer.oldest_stamp = submap.keyframes.front().stamp;
     answer.T_map_body = T_map_body_(newest.stamp);
@@ -57,6 +57,7 @@ class TruthfulLocalizer final : public MapLocalizer {
   [[nodiscard]] LinkTraffic traffic() const override { return {}; }
 
   bool answering = true;
+  LocalizationStatus status = LocalizationStatus::kLocalized;
   bool correcting = false;               // with each answer
   std::optional<Correction> correction;  // the next one
   std::vector<RobotSession> sessions;

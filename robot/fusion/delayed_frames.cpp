@@ -13,7 +13,7 @@
 namespace fleetloc {
 namespace {
 
-DelayedFrames::AnswerRank rank_of(const LocalizationResult& answer) {
+DelayedFrames::Rank rank_of(const LocalizationResult& answer) {
   return {answer.revision, answer.incarnation, answer.localizer};
 }
 
@@ -48,6 +48,7 @@ void DelayedFrames::reset(SessionNumber session) {
 void DelayedFrames::forget_answers(SessionNumber session) {
   session_ = session;
   for (Frame& frame : frames_) {
+    frame.newest.reset();
     frame.is_lost = false;
     frame.answer.reset();
   }
@@ -135,16 +136,11 @@ expected<std::size_t, FusionRejection> DelayedFrames::add_answer(const Localizat
   const auto index = frame_of(answer.stamp);
   if (!index) return index;
   Frame& frame = frames_[*index];
-  const AnswerRank rank = rank_of(answer);
-  if (frame.answer && rank == frame.answer->rank) return unexpected(FusionRejection::kDuplicate);
-  if (frame.answer && rank < frame.answer->rank) {
-    return unexpected(FusionRejection::kOlderThanApplied);
-  }
-  if (frame.lost_by && rank <= *frame.lost_by) {
-    return unexpected(FusionRejection::kOlderThanApplied);
-  }
+  const Rank rank = rank_of(answer);
+  if (rank == frame.newest) return unexpected(FusionRejection::kDuplicate);
+  if (rank < frame.newest) return unexpected(FusionRejection::kOlderThanApplied);
+  frame.newest = rank;
   frame.answer = StoredMeasurement{
-      .rank = rank,
       .measurement = measurement_from(answer, frame.odometry.state.T_odom_body, answer_noise_),
       .outcome = std::nullopt};
   return index;
@@ -155,12 +151,10 @@ expected<std::size_t, FusionRejection> DelayedFrames::add_loss(const Localizatio
   const auto index = frame_of(answer.stamp);
   if (!index) return index;
   Frame& frame = frames_[*index];
-  const AnswerRank rank = rank_of(answer);
-  if (frame.answer && rank < frame.answer->rank) {
-    return unexpected(FusionRejection::kOlderThanApplied);
-  }
+  const Rank rank = rank_of(answer);
+  if (rank < frame.newest) return unexpected(FusionRejection::kOlderThanApplied);
+  frame.newest = rank;
   frame.is_lost = true;
-  frame.lost_by = std::max(frame.lost_by, std::optional(rank));
   frame.answer.reset();
   return index;
 }

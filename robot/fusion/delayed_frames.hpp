@@ -21,20 +21,19 @@ namespace fleetloc {
 /// frame is the odom pose.
 class DelayedFrames {
  public:
-  /// A total order: which one of several answers to a frame counts does not depend on their
+  /// Of an answer. A total order: which one of several to a frame counts does not depend on their
   /// arrival.
-  using AnswerRank = std::tuple<Revision, Incarnation, std::string>;
+  using Rank = std::tuple<Revision, Incarnation, std::string>;
   struct StoredMeasurement {
-    AnswerRank rank;
     LocalizationMeasurement measurement;
     std::optional<AnswerOutcome> outcome;  ///< none before the first replay
   };
   struct Frame {
     OdometryEstimate odometry;
-    DriftStep drift;  ///< since the frame before
-    bool is_lost = false;
-    std::optional<AnswerRank> lost_by;        ///< the answer that said so, if one did
-    std::optional<StoredMeasurement> answer;  ///< of a higher rank than that
+    DriftStep drift;             ///< since the frame before
+    std::optional<Rank> newest;  ///< of the answers to it
+    bool is_lost = false;        ///< so it was said; `answer` is newer
+    std::optional<StoredMeasurement> answer;
   };
 
   DelayedFrames(const ImuNoise& noise, const PoseFusion::Config& config);

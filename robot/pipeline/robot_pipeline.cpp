@@ -190,16 +190,23 @@ RobotSession RobotPipeline::announced(const std::optional<MapOdomEstimate>& star
   return announced;
 }
 
-// Corrections come with the answer to their anchor, and are worth what that is.
+// A correction comes with the answer to its anchor, and is worth what that is.
 void RobotPipeline::fuse_answers(Timestamp now) {
-  std::optional<KeyframeId> gated;
-  for (LocalizationResult& answer : localizer_->take_answers(now)) {
+  std::vector<LocalizationResult> answers = localizer_->take_answers(now);
+  std::optional<Correction> correction = localizer_->take_correction();
+  for (LocalizationResult& answer : answers) {
     const std::optional<Vector6d> innovation = innovation_of(answer);
     const AnswerOutcome outcome = fusion_->add_answer(answer);
     if (outcome) localizer_->note_applied();
-    if (outcome == unexpected(FusionRejection::kGated)) gated = answer.keyframe;
+    const bool is_gated = outcome == unexpected(FusionRejection::kGated);
+    const bool is_lost = answer.status == LocalizationStatus::kLost;
     const bool is_elsewhere = outcome && *outcome == AnswerEffect::kRestarted;
-    if (is_elsewhere || answer.status == LocalizationStatus::kLost) odometry_.forget_corrections();
+    if (is_lost || is_elsewhere) odometry_.forget_corrections();
+    const bool is_its_own = correction && correction->anchor == answer.keyframe;
+    const bool is_older = correction && correction->anchor < answer.keyframe;
+    if ((is_its_own && (is_gated || is_lost)) || (is_older && (is_lost || is_elsewhere))) {
+      correction.reset();
+    }
     answer.stamp = time_.stamp_of(answer.stamp);
     answer.oldest_stamp = time_.stamp_of(answer.oldest_stamp);
     answers_.push_back({.answer = std::move(answer),
@@ -207,8 +214,7 @@ void RobotPipeline::fuse_answers(Timestamp now) {
                         .outcome = outcome,
                         .innovation = innovation});
   }
-  auto correction = localizer_->take_correction();
-  if (correction && correction->anchor != gated) odometry_.add_correction(*std::move(correction));
+  if (correction) odometry_.add_correction(*std::move(correction));
 }
 
 std::optional<Vector6d> RobotPipeline::innovation_of(const LocalizationResult& answer) const {

@@ -71,7 +71,7 @@ TEST_F(World, IsGoodEnoughToLocalizeInByImagesAndByTracks) {
   EXPECT_LT(tracked["nees"]["map"], 2.0) << tracked;
   EXPECT_LT(tracked["confidence"]["worst_m"], 0.3) << tracked;
   // Five by images: .035, .073, .23, .13 and .06 m, covered .41 to .88, NEES 1.3 to 11.5. This one
-  // is the second; what is not right there yet: deploy/experiments, "A short way by images".
+  // is the second; what is not right there yet: deploy/experiments, "A short drive by images".
   expect_localized(localized(images, in_map), 0.15, 0.7);
 }
 

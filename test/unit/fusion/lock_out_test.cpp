@@ -252,6 +252,19 @@ TEST_P(LockOut, APlaceThatIsTakenBackIsNotGivenAgainByAnOlderAnswerToTheSameFram
   EXPECT_EQ(quality(), Quality::kLocalized);
 }
 
+// A robot that is placed has another session, which answers to the frames that it has.
+TEST_P(LockOut, ALossOfTheSessionBeforeDoesNotOutrankTheAnswersOfTheNext) {
+  fed_.drive_to(66.0);
+  LocalizationResult said = answer(65.0, true_T_map_odom() * fed_.drive.pose(65.0));
+  LocalizationResult before = lost(said);
+  before.revision = Revision{static_cast<std::uint32_t>(said.revision) + 1};
+  EXPECT_EQ(name(fed_.fusion.add_answer(before)), "not_localized");
+  fed_.fusion.forget_map(SessionNumber{1});
+  said.session = SessionNumber{1};
+  EXPECT_TRUE(fed_.fusion.add_answer(said));
+  EXPECT_EQ(quality(), Quality::kLocalized);
+}
+
 // Whatever had confirmed the place before: as after somebody carried the robot away.
 TEST_P(LockOut, APlaceThatTheLocalizerTakesBackYieldsToItsNextAnswer) {
   for (int i = 1; i < 4; ++i) EXPECT_TRUE(same_again(21.0 * i).has_value());

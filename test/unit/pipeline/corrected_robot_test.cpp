@@ -39,6 +39,15 @@ TEST_F(CorrectedRobot, TakesNoneOfAnswersThatContradictIt) {
   EXPECT_EQ(corrections(), before);
 }
 
+TEST_F(CorrectedRobot, TakesNoneOfAPlaceThatIsTakenBackInTheSameMoment) {
+  play(8.0);
+  localizer_.status = LocalizationStatus::kLost;
+  play(9.0);  // what was on its way has arrived
+  const std::uint64_t before = corrections();
+  play(10.5);
+  EXPECT_EQ(corrections(), before);
+}
+
 TEST_F(CorrectedRobot, TakesNoneThatIsOfThePlaceBeforeItWasPlaced) {
   play(8.0);
   localizer_.answering = false;
