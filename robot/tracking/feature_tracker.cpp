@@ -23,6 +23,7 @@ void check_image(const cv::Mat& image, const Camera& camera, const char* side) {
 FeatureTracker::Config read_feature_tracker_config(ConfigReader section) {
   return {.corners = read_corner_detection_config(section.section("corners")),
           .flow = read_optical_flow_config(section.section("flow")),
+          .reference = read_reference_patch_config(section.section("reference")),
           .slanted = read_slanted_patch_config(section.section("slanted")),
           .motion = read_motion_check_config(section.section("motion")),
           .stereo = read_stereo_matching_config(section.section("stereo"))};
@@ -38,6 +39,7 @@ FeatureTracker::FeatureTracker(const StereoCalibration& calibration, const Confi
                config.slanted,
                config.stereo),
       R_left_previous_(Eigen::Quaterniond::Identity()),
+      R_left_first_(Eigen::Quaterniond::Identity()),
       translation_m_(Eigen::Vector3d::Zero()) {}
 
 TrackedFrame FeatureTracker::track(const StereoFrame& frame,
@@ -52,6 +54,7 @@ TrackedFrame FeatureTracker::track(const StereoFrame& frame,
   if (!left_.empty()) track_features(left, R_left_previous_);
   add_corners(frame.left);
   match_right(left, frame.right);
+  cut_references(frame.left);
   left_ = std::move(left);
   R_left_previous_.setIdentity();
   return observe(frame.stamp);
@@ -83,6 +86,7 @@ cv::Point2f FeatureTracker::predict_pixel(const Track& track, const Pose& T) con
 void FeatureTracker::track_features(const ImagePyramid& left,
                                     const Eigen::Quaterniond& R_previous_current) {
   const Pose prediction = predict_motion(R_previous_current);
+  R_left_first_ = (prediction.R * R_left_first_).normalized();
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> starts;
   for (const auto& track : tracks_) {
@@ -94,11 +98,14 @@ void FeatureTracker::track_features(const ImagePyramid& left,
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     if (!moved[i]) continue;
-    const cv::Point2f pixel = refined(left, tracks_[i].left, *moved[i]);
-    const auto rectified = left_camera_.rectify(pixel);
+    Track& track = tracks_[i];
+    const Eigen::Vector2d before = track.rectified;
+    track.left = refined(left.image(), track, *moved[i]);
+    const auto rectified = left_camera_.rectify(track.left);
     if (!rectified) continue;
-    correspondences.push_back({tracks_[i].rectified, *rectified, tracks_[i].disparity});
-    tracked.push_back({tracks_[i].landmark, pixel, *rectified, tracks_[i].disparity});
+    track.rectified = *rectified;
+    correspondences.push_back({before, track.rectified, track.disparity});
+    tracked.push_back(std::move(track));
   }
   diagnostics_.tracked = static_cast<int>(tracked.size());
   diagnostics_.lost = static_cast<int>(tracks_.size() - tracked.size());
@@ -106,16 +113,44 @@ void FeatureTracker::track_features(const ImagePyramid& left,
   keep_inliers(std::move(tracked), correspondences, checked);
 }
 
-/// Refines along the flow, which changes most over a patch that comes nearer.
-cv::Point2f FeatureTracker::refined(const ImagePyramid& left,
-                                    const cv::Point2f& before,
-                                    const cv::Point2f& now) const {
-  const Eigen::Vector2f flow(now.x - before.x, now.y - before.y);
-  if (flow.norm() < static_cast<float>(config_.flow.slope_from_px)) return now;
-  const SearchLine line{
-      .start = now, .direction = flow.normalized(), .slope_sigma = config_.flow.slope_sigma};
-  const auto match = match_slanted(left_.image(), left.image(), before, line, config_.slanted);
-  return match ? match->pixel : now;
+/// Refines by the reference; one that no longer looks the same is given up.
+cv::Point2f FeatureTracker::refined(const cv::Mat& left,
+                                    Track& track,
+                                    const cv::Point2f& flown) const {
+  if (!track.reference) return flown;
+  const auto warp = predict_warp(*track.reference, flown, track.disparity);
+  const auto pixel =
+      warp ? track.reference->patch.match(left, flown, *warp, config_.reference) : std::nullopt;
+  if (!pixel) track.reference.reset();
+  return pixel.value_or(flown);
+}
+
+/// Of a surface that faced the camera in the reference.
+std::optional<Eigen::Matrix2f> FeatureTracker::predict_warp(const Reference& reference,
+                                                            const cv::Point2f& pixel,
+                                                            double disparity) const {
+  const auto rectified = left_camera_.rectify(pixel);
+  const auto J_rectified_pixel = left_camera_.rectify_jacobian(pixel);
+  if (!rectified || !J_rectified_pixel) return std::nullopt;
+  const Eigen::Vector2d ideal = (*rectified - stereo_.center_px) / stereo_.focal_px;
+  Eigen::Matrix<double, 2, 3> projection;
+  projection << Eigen::Matrix2d::Identity(), -ideal;
+  const Eigen::Matrix3d R = (R_left_first_ * reference.R_left_first.conjugate()).toRotationMatrix();
+  const bool is_deep = disparity > 0.0 && reference.disparity > 0.0;
+  const double zoom = is_deep ? disparity / reference.disparity : 1.0;
+  return (J_rectified_pixel->inverse() * zoom * projection * R.leftCols<2>() *
+          reference.J_rectified_pixel)
+      .cast<float>();
+}
+
+/// Of the tracks that have none.
+void FeatureTracker::cut_references(const cv::Mat& left) {
+  for (auto& track : tracks_) {
+    if (track.reference) continue;
+    const auto J = left_camera_.rectify_jacobian(track.left);
+    auto patch = ReferencePatch::cut(left, track.left, config_.reference.radius_px);
+    if (J && patch) track.reference = {std::move(*patch), *J, R_left_first_, track.disparity};
+  }
 }
 
 /// Keeps the inliers of the rigid motion, each with its predicted disparity.
@@ -133,7 +168,7 @@ void FeatureTracker::keep_inliers(std::vector<Track> tracked,
       const double depth_now = (motion.T_current_previous * (depth * ideal.homogeneous())).z();
       track.disparity *= motion.has_translation && depth_now > 0.0 ? depth / depth_now : 1.0;
     }
-    tracks_.push_back(track);
+    tracks_.push_back(std::move(track));
   }
   diagnostics_.rejected_by_motion =
       static_cast<int>(std::count(motion.inliers.begin(), motion.inliers.end(), false));
@@ -155,7 +190,7 @@ void FeatureTracker::add_corners(const cv::Mat& left) {
   for (const auto& corner : detect_corners(left, present, config_.corners)) {
     const auto rectified = left_camera_.rectify(corner);
     if (!rectified) continue;
-    tracks_.push_back({LandmarkId{next_landmark_++}, corner, *rectified, 0.0});
+    tracks_.push_back({LandmarkId{next_landmark_++}, corner, *rectified, 0.0, std::nullopt});
     ++diagnostics_.detected;
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -9,6 +10,7 @@
 #include "robot/tracking/motion_check.hpp"
 #include "robot/tracking/optical_flow.hpp"
 #include "robot/tracking/rectified_camera.hpp"
+#include "robot/tracking/reference_patch.hpp"
 #include "robot/tracking/stereo_matching.hpp"
 #include "shared/config/config_reader.hpp"
 #include "shared/model/observation.hpp"
@@ -34,7 +36,8 @@ class FeatureTracker {
   struct Config {
     CornerDetectionConfig corners;
     OpticalFlowConfig flow;
-    SlantedPatchConfig slanted;  ///< refines flow and stereo
+    ReferencePatchConfig reference;  ///< refines flow
+    SlantedPatchConfig slanted;      ///< refines stereo
     MotionCheckConfig motion;
     StereoMatchingConfig stereo;
   };
@@ -54,11 +57,20 @@ class FeatureTracker {
   [[nodiscard]] const TrackingDiagnostics& diagnostics() const { return diagnostics_; }
 
  private:
+  /// How a feature was seen when its patch was cut out.
+  struct Reference {
+    ReferencePatch patch;
+    Eigen::Matrix2d J_rectified_pixel;
+    Eigen::Quaterniond R_left_first;
+    double disparity;  // 0: not known
+  };
+
   struct Track {
     LandmarkId landmark;
     cv::Point2f left;           // in the image
     Eigen::Vector2d rectified;  // the same in the rectified pair
     double disparity = 0.0;     // 0: not known
+    std::optional<Reference> reference;
   };
 
   void track_features(const ImagePyramid& left, const Eigen::Quaterniond& R_previous_current);
@@ -70,9 +82,13 @@ class FeatureTracker {
   void add_corners(const cv::Mat& left);
   [[nodiscard]] Pose predict_motion(const Eigen::Quaterniond& R_previous_current) const;
   [[nodiscard]] cv::Point2f predict_pixel(const Track& track, const Pose& T) const;
-  [[nodiscard]] cv::Point2f refined(const ImagePyramid& left,
-                                    const cv::Point2f& before,
-                                    const cv::Point2f& now) const;
+  [[nodiscard]] cv::Point2f refined(const cv::Mat& left,
+                                    Track& track,
+                                    const cv::Point2f& flown) const;
+  [[nodiscard]] std::optional<Eigen::Matrix2f> predict_warp(const Reference& reference,
+                                                            const cv::Point2f& pixel,
+                                                            double disparity) const;
+  void cut_references(const cv::Mat& left);
   [[nodiscard]] TrackedFrame observe(Timestamp stamp) const;
 
   Config config_;
@@ -83,6 +99,7 @@ class FeatureTracker {
   ImagePyramid left_;                   // the last one
   std::vector<Track> tracks_;           // in it, strictly increasing by landmark
   Eigen::Quaterniond R_left_previous_;  // of the body: from that image to the previous call
+  Eigen::Quaterniond R_left_first_;     // of the rectified camera: from the first image to that one
   Eigen::Vector3d translation_m_;       // of the last T_current_previous, if known
   std::uint32_t next_landmark_ = 0;
   TrackingDiagnostics diagnostics_;

@@ -58,9 +58,7 @@ OpticalFlowConfig read_optical_flow_config(ConfigReader section) {
           .levels = section.integer("levels", 0, 6),
           .iterations = section.integer("iterations", 1, 100),
           .converged_px = section.positive("converged_px"),
-          .round_trip_px = section.positive("round_trip_px"),
-          .slope_sigma = section.positive("slope_sigma"),
-          .slope_from_px = section.positive("slope_from_px")};
+          .round_trip_px = section.positive("round_trip_px")};
 }
 
 ImagePyramid::ImagePyramid(const cv::Mat& image, const OpticalFlowConfig& config) {

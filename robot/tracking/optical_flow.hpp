@@ -15,8 +15,6 @@ struct OpticalFlowConfig {
   int iterations;        ///< at most, per level
   double converged_px;   ///< step below which an iteration ends
   double round_trip_px;  ///< forward-backward check: largest distance from the start
-  double slope_sigma;    ///< by which the flow changes along its direction [px per px]
-  double slope_from_px;  ///< shorter flows are not refined
 };
 
 OpticalFlowConfig read_optical_flow_config(ConfigReader section);

@@ -23,6 +23,19 @@ std::optional<Eigen::Vector2d> RectifiedCamera::rectify(const cv::Point2f& pixel
   return rectified;
 }
 
+std::optional<Eigen::Matrix2d> RectifiedCamera::rectify_jacobian(const cv::Point2f& pixel) const {
+  constexpr float kStep_px = 2.0F;
+  Eigen::Matrix2d J;
+  for (int axis = 0; axis < 2; ++axis) {
+    const cv::Point2f step = axis == 0 ? cv::Point2f(kStep_px, 0.0F) : cv::Point2f(0.0F, kStep_px);
+    const auto after = rectify(pixel + step);
+    const auto before = rectify(pixel - step);
+    if (!after || !before) return std::nullopt;
+    J.col(axis) = (*after - *before) / (2.0 * static_cast<double>(kStep_px));
+  }
+  return J;
+}
+
 std::optional<cv::Point2f> RectifiedCamera::distort(const Eigen::Vector2d& rectified) const {
   const Eigen::Vector2d ideal = (rectified - center_px_) / focal_px_;
   const auto pixel = project(camera_, R_rectified_cam_.conjugate() * ideal.homogeneous());

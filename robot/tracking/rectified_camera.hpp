@@ -20,6 +20,10 @@ class RectifiedCamera {
   /// Nothing where the result is outside of [0, kRectifiedSize).
   [[nodiscard]] std::optional<Eigen::Vector2d> rectify(const cv::Point2f& pixel) const;
 
+  /// How the rectified pixel changes with the image's, over some pixels; nothing where one of them
+  /// cannot be rectified.
+  [[nodiscard]] std::optional<Eigen::Matrix2d> rectify_jacobian(const cv::Point2f& pixel) const;
+
   /// Nothing where the pixel would lie outside of the image.
   [[nodiscard]] std::optional<cv::Point2f> distort(const Eigen::Vector2d& rectified) const;
 

@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "robot/tracking/image_sampling.hpp"
+
 namespace fleetloc {
 namespace {
 
@@ -13,27 +15,6 @@ constexpr int kMaxRadius = 10;
 constexpr float kMinPatchTexture =
     100.0F;  // sum of squared gradients along the line [gray^2 / px^2]
 constexpr std::size_t kMaxPixels = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
-
-/// Bilinear; the pixel and its next ones must lie in the image.
-float sampled(const cv::Mat& image, float x, float y) {
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const float a = x - static_cast<float>(column);
-  const float b = y - static_cast<float>(row);
-  const auto* upper = image.ptr<unsigned char>(row) + column;
-  const auto* lower = image.ptr<unsigned char>(row + 1) + column;
-  const float above = static_cast<float>(upper[0]) + a * static_cast<float>(upper[1] - upper[0]);
-  const float below = static_cast<float>(lower[0]) + a * static_cast<float>(lower[1] - lower[0]);
-  return above + b * (below - above);
-}
-
-/// Everything within `reach_px` can be sampled.
-bool is_inside(const cv::Mat& image, const cv::Point2f& point, float reach_px) {
-  const auto right = static_cast<float>(image.cols - 1);
-  const auto bottom = static_cast<float>(image.rows - 1);
-  return point.x >= reach_px && point.y >= reach_px && point.x + reach_px < right &&
-         point.y + reach_px < bottom;
-}
 
 /// Shift along the line at the patch's middle, its slopes along columns and rows, and a difference
 /// of brightness.

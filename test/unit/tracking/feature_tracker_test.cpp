@@ -87,6 +87,35 @@ TEST_F(FeatureTrackerTest, FollowsAWallBelowATenthOfAPixel) {
   EXPECT_LT(median(disparity_errors), 0.1);
 }
 
+// Each step's errors are those of noisy images; matched with the image before, they would add up.
+TEST_F(FeatureTrackerTest, DoesNotDriftFromWhatItFirstSaw) {
+  constexpr int kFrames = 20;
+  cv::RNG random(1);
+  std::map<LandmarkId, Eigen::Vector3d> first;
+  std::vector<double> early;
+  std::vector<double> late;
+  for (int i = 0; i < kFrames; ++i) {
+    const Pose T = moving(i);
+    auto images = scene().render(T);
+    for (cv::Mat* image : {&images.left, &images.right}) {
+      cv::Mat noise(image->size(), CV_16S);
+      random.fill(noise, cv::RNG::NORMAL, 0.0, 5.0);
+      cv::add(*image, noise, *image, cv::noArray(), CV_8U);
+    }
+    const auto frame = tracker_.track(images, rotation(moving(i - 1), T));
+    for (const auto& o : frame.observations) {
+      const auto seen = first.emplace(o.landmark, scene().wall_point(T, o.left));
+      const double error = (scene().project_point(T, seen.first->second).head<2>() - o.left).norm();
+      if (i == 2 && !seen.second) early.push_back(error);
+      if (i == kFrames - 1 && static_cast<std::uint32_t>(o.landmark) < 60U) late.push_back(error);
+    }
+  }
+  ASSERT_GT(late.size(), 10U);
+  std::cout << "median error " << median(early) << " px after 2 frames, " << median(late)
+            << " px of " << late.size() << " after " << kFrames - 1 << "\n";
+  EXPECT_LT(median(late), 1.5 * median(early));
+}
+
 TEST_F(FeatureTrackerTest, KeepsFeaturesAsLongAsTheyAreInView) {
   const auto first = tracker_.track(scene().render(moving(0)), Eigen::Quaterniond::Identity());
   TrackedFrame frame;
