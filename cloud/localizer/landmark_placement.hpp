@@ -12,8 +12,8 @@ namespace fleetloc {
 using LandmarkPositions = std::map<LandmarkId, Eigen::Vector3d>;  ///< p_map [m]
 
 /// Initial position of each landmark that the keyframes of `poses` (T_map_body) observe: the
-/// cloud's solution, else the robot's estimate, else the triangulation of its nearest stereo
-/// observation. Landmarks without any of these are left out.
+/// cloud's solution, else the robot's estimate, else the least squares of what these keyframes
+/// observe of it. Landmarks without any of these, or without a disparity, are left out.
 LandmarkPositions placed_landmarks(const SessionDatabase& database,
                                    const std::map<KeyframeId, Pose>& poses,
                                    const RectifiedStereo& stereo);
