@@ -177,6 +177,10 @@ bool FirstPlace::is_in_region(const Pose& T_map_odom) const {
          region_->where.has_storey(p_map.z() - body_height_m(), cell_m());
 }
 
+bool FirstPlace::is_within_borders(const Pose& T_map_odom) const {
+  return !region_ || !region_->has_borders || is_in_region(T_map_odom);
+}
+
 std::optional<Pose> FirstPlace::advance() {
   if (!is_running_) return std::nullopt;
   if (search_) {
@@ -244,9 +248,8 @@ Pose FirstPlace::in_map(const Pose& T_map_seen) const {
 // Places that are followed are not all there are: only a search tells that none but one is left.
 std::optional<Pose> FirstPlace::decide() {
   is_running_ = false;
-  if (region_ && region_->has_borders) {  // which an alignment may have moved a place across
-    hypotheses_.drop_if([this](const Pose& T_map_odom) { return !is_in_region(T_map_odom); });
-  }
+  // An alignment may have moved a place across the borders.
+  hypotheses_.drop_if([this](const Pose& T_map_odom) { return !is_within_borders(T_map_odom); });
   hypotheses_.keep_likely(static_cast<std::size_t>(config_.max_places));
   const std::vector<PlaceHypotheses::Place>& places = hypotheses_.places();
   places_left_ = places.size();

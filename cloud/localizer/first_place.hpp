@@ -98,6 +98,9 @@ class FirstPlace {
   /// @return T_map_odom of the place, once it is certain
   std::optional<Pose> advance();
 
+  /// Whether the session can have begun where this has it, by the borders that were told.
+  [[nodiscard]] bool is_within_borders(const Pose& T_map_odom) const;
+
   /// How exactly a place is found.
   [[nodiscard]] double cell_m() const { return pyramid_->cell_m(); }
 

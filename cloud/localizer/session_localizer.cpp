@@ -276,6 +276,8 @@ expected<SessionLocalizer::Solution, Rejection> SessionLocalizer::accept(
   TravelledPath path{dead_reckoning_.travelled_m(database_.window().front()),
                      dead_reckoning_.travelled_m(newest.id)};
   if (has_found_start()) {
+    const Pose T_map_odom = fit.T_map_body * inverse(newest.T_odom_body);
+    if (!first_place_->is_within_borders(T_map_odom)) return unexpected(Rejection::kNotCovered);
     if (first_place_->places_left() > 1) return unexpected(Rejection::kAmbiguous);
     if (!first_place_->is_only_one_left()) return unexpected(Rejection::kUnconfirmed);
     path.searched_m = found_start_.searched_m();
