@@ -159,7 +159,7 @@ TEST(FirstPlace, IsNotLocalizedWhereTheLastSearchHasLeftMoreThanOne) {
   const SimulatedSession robot({.seed = 1});
   int doubted = 0;
   int found = 0;
-  for (int max_evaluations = 460'000; max_evaluations <= 560'000; max_evaluations += 20'000) {
+  for (int max_evaluations = 260'000; max_evaluations <= 360'000; max_evaluations += 20'000) {
     SessionLocalizer::Config config = with_searched_path(1.5);
     config.confirmation.path_m = 6.0;
     config.first_place.max_evaluations = max_evaluations;

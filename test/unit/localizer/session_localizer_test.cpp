@@ -118,7 +118,7 @@ TEST(SessionLocalizer, LocalizesWithAThirdOfTheLandmarksOffTheMap) {
 
 TEST(SessionLocalizer, WaitsForTheRobotToDriveOnWhereMostLandmarksAreOffTheMap) {
   int unconfirmed = 0;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const SimulatedSession robot(
         {.seed = seed, .features_per_keyframe = 120, .off_map_share = 0.65});
     SessionLocalizer localizer = localizer_for(robot);
@@ -126,7 +126,7 @@ TEST(SessionLocalizer, WaitsForTheRobotToDriveOnWhereMostLandmarksAreOffTheMap) 
     EXPECT_NE(name(status), name(kLocalized)) << seed;
     if (status == kUnconfirmed) ++unconfirmed;
   }
-  EXPECT_GE(unconfirmed, 3);  // a place may also be refused since it does not settle
+  EXPECT_GE(unconfirmed, 8);  // a place may also be refused since it does not settle
 }
 
 TEST(SessionLocalizer, RejectsAStartThatIsWrongByMetresAndSaysWhy) {
