@@ -104,10 +104,10 @@ INSTANTIATE_TEST_SUITE_P(
     ReplayedOdometry,
     testing::Values(FlightCase{.name = "HandHeld",  // all of it is real
                                .flight = machine_hall,
-                               .odometry_rmse_m = 0.015,
+                               .odometry_rmse_m = 0.006,
                                .first_pose_s = 2.5,
                                .odometry_share = 0.84},
-                    FlightCase{.name = "Flight", .flight = vicon_room, .odometry_rmse_m = 0.04}),
+                    FlightCase{.name = "Flight", .flight = vicon_room, .odometry_rmse_m = 0.008}),
     [](const auto& one) { return std::string(one.param.name); });
 
 class ReplayInAMap : public Replay {};
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
     Recorded,
     ReplayInAMap,
     testing::Values(FlightCase{
-        .name = "Flight", .flight = vicon_room, .median_m = 0.03, .worst_m = 0.1}),
+        .name = "Flight", .flight = vicon_room, .median_m = 0.012, .worst_m = 0.05}),
     [](const auto& one) { return std::string(one.param.name); });
 
 class RepeatedReplay : public Replay {};
