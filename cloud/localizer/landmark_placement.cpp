@@ -18,8 +18,8 @@ constexpr int kIterations = 5;
 constexpr double kConverged = 1e-3;  // of the distance to the camera
 
 struct StereoView {
-  const StereoObservation* observation = nullptr;
-  const Pose* T_map_body = nullptr;
+  const StereoObservation* observation;
+  const Pose* T_map_cam0;
 };
 
 /// Of u_left, v and u_right, the last one zero without a disparity [px].
@@ -52,7 +52,7 @@ Eigen::Vector3d triangulated(const StereoView& view, const RectifiedStereo& ster
       stereo.focal_px * stereo.baseline_m / std::max(seen.disparity, kMinDisparity);
   const Eigen::Vector2d ray = (seen.left - stereo.center_px) / stereo.focal_px;
   const Eigen::Vector3d p_cam0(depth * ray.x(), depth * ray.y(), depth);
-  return *view.T_map_body * (stereo.T_body_cam0 * p_cam0);
+  return *view.T_map_cam0 * p_cam0;
 }
 
 /// Least squares of all views. The view with the largest disparity alone is often the one with the
@@ -66,7 +66,7 @@ std::optional<Eigen::Vector3d> refined(Eigen::Vector3d p_map,
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     double nearest_m = std::numeric_limits<double>::max();
     for (const StereoView& view : views) {
-      const Pose T_cam0_map = inverse(*view.T_map_body * stereo.T_body_cam0);
+      const Pose T_cam0_map = inverse(*view.T_map_cam0);
       const Eigen::Vector3d p_cam0 = T_cam0_map * p_map;
       const auto residual = residual_of(*view.observation, stereo, p_cam0);
       if (!residual) return std::nullopt;
@@ -95,9 +95,11 @@ LandmarkPositions placed_landmarks(const SessionDatabase& database,
                                    const std::map<KeyframeId, Pose>& poses,
                                    const RectifiedStereo& stereo) {
   std::map<LandmarkId, std::vector<StereoView>> views_of;
+  std::map<KeyframeId, Pose> T_map_cam0;
   for (const auto& [id, T_map_body] : poses) {
+    const Pose& camera = T_map_cam0[id] = T_map_body * stereo.T_body_cam0;
     for (const StereoObservation& seen : database.keyframe(id).item.observations) {
-      views_of[seen.landmark].push_back({&seen, &T_map_body});
+      views_of[seen.landmark].push_back({&seen, &camera});
     }
   }
   LandmarkPositions positions;

@@ -147,9 +147,10 @@ std::optional<Eigen::Matrix2f> FeatureTracker::predict_warp(const Reference& ref
 void FeatureTracker::cut_references(const cv::Mat& left) {
   for (auto& track : tracks_) {
     if (track.reference) continue;
-    const auto J = left_camera_.rectify_jacobian(track.left);
     auto patch = ReferencePatch::cut(left, track.left, config_.reference.radius_px);
-    if (J && patch) track.reference = {std::move(*patch), *J, R_left_first_, track.disparity};
+    if (!patch) continue;
+    const auto J = left_camera_.rectify_jacobian(track.left);
+    if (J) track.reference = {std::move(*patch), *J, R_left_first_, track.disparity};
   }
 }
 

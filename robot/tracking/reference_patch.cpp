@@ -58,7 +58,8 @@ std::optional<cv::Point2f> ReferencePatch::match(const cv::Mat& image,
   if (!(zoom <= config.max_zoom && zoom * config.max_zoom >= 1.0)) return std::nullopt;
   if (H_.topLeftCorner<2, 2>().determinant() < kMinPatchInformation) return std::nullopt;
   Information to_image = Information::Identity();  // of J: gradients turn with the patch
-  for (int i = 0; i < 6; i += 2) to_image.block<2, 2>(i, i) = warp.inverse().transpose();
+  const Eigen::Matrix2f gradient_to_image = warp.inverse().transpose();
+  for (int i = 0; i < 6; i += 2) to_image.block<2, 2>(i, i) = gradient_to_image;
   Information H = to_image * H_ * to_image.transpose();
   const auto weight = static_cast<float>(std::pow(config.gray_sigma / config.slope_sigma, 2));
   H.diagonal().segment<4>(2).array() += weight;
