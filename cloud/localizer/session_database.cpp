@@ -6,11 +6,17 @@
 #include <iterator>
 #include <ranges>
 
+#include <Eigen/LU>
+
+#include "shared/geometry/covariance.hpp"
+
 namespace fleetloc {
 namespace {
 
 // Of a node of std::map beside its value.
 constexpr std::size_t kNodeOverhead = 48;
+
+constexpr std::ptrdiff_t kRigidLandmarks = 3;  // that determine a rigid motion
 
 KeyframeId beyond(KeyframeId id, int count) {
   const std::uint64_t sum = static_cast<std::uint64_t>(id) + static_cast<std::uint64_t>(count);
@@ -198,13 +204,32 @@ std::vector<const VirtualEdge*> SessionDatabase::spanning_edges() const {
 
 std::vector<KeyframeId> SessionDatabase::window() const {
   Components components;
-  for (const VirtualEdge* edge : spanning_edges()) components.join(edge->from, edge->to);
+  for (const VirtualEdge* edge : spanning_edges()) {
+    if (holds_together(*edge)) components.join(edge->from, edge->to);
+  }
   const KeyframeId newest = keyframes_.rbegin()->first;
   std::vector<KeyframeId> window;
   for (const auto& [id, keyframe] : keyframes_) {
     if (components.are_joined(id, newest)) window.push_back(id);
   }
   return window;
+}
+
+bool SessionDatabase::holds_together(const VirtualEdge& edge) const {
+  const Matrix6d covariance = edge.information.inverse();
+  if (max_sigma(covariance.bottomRightCorner<3, 3>()) <= config_.loose_edge_m) return true;
+  std::vector<KeyframeId> before;
+  std::vector<KeyframeId> after;
+  for (const KeyframeId id : std::views::keys(keyframes_)) {
+    if (id <= edge.from) before.push_back(id);
+    if (id >= edge.to) after.push_back(id);
+  }
+  const std::vector<LandmarkId> seen_before = seen_by(before);
+  std::vector<LandmarkId> seen_after = seen_by(after);
+  seen_after.erase(std::ranges::unique(seen_after).begin(), seen_after.end());
+  return std::ranges::count_if(seen_after, [&seen_before](LandmarkId landmark) {
+           return std::ranges::binary_search(seen_before, landmark);
+         }) >= kRigidLandmarks;
 }
 
 std::vector<LandmarkId> SessionDatabase::seen_by(std::span<const KeyframeId> keyframes) const {

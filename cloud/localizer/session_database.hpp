@@ -3,6 +3,7 @@
 #include <array>
 #include <compare>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -25,6 +26,8 @@ class SessionDatabase {
  public:
   struct Config {
     int window;  ///< keyframes
+    /// Largest sigma of the position that an edge tells, by which alone it holds a window together.
+    double loose_edge_m = std::numeric_limits<double>::infinity();
   };
 
   struct Keyframe {
@@ -65,7 +68,9 @@ class SessionDatabase {
 
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
-  /// The keyframes that edges connect with the newest one, oldest first.
+  /// The keyframes that edges connect with the newest one, oldest first: edges that are not loose,
+  /// or with landmarks that are seen on both sides. Where the robot was blind, the window is not
+  /// rigid: what is before would keep its place in the map while what follows slips to another.
   [[nodiscard]] std::vector<KeyframeId> window() const;
 
   /// The edges that connect keyframes without loops, the shortest first (Kruskal, 1956): longer
@@ -96,6 +101,7 @@ class SessionDatabase {
  private:
   using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
 
+  [[nodiscard]] bool holds_together(const VirtualEdge& edge) const;
   void add_keyframe(const SubmapKeyframe& item, Added& added);
   void add_edge(const VirtualEdge& edge, Added& added);
   void add_estimates(const Submap& submap);

@@ -16,7 +16,8 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
 
 SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
   return {
-      .database = {.window = section.integer("window", 2, 1000)},
+      .database = {.window = section.integer("window", 2, 1000),
+                   .loose_edge_m = section.positive("loose_edge_m")},
       .registration = read_window_registration_config(section),
       .drift = read_drift_config(section.section("drift")),
       .acceptance = read_acceptance_config(section.section("acceptance")),

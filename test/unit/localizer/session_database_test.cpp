@@ -151,6 +151,36 @@ TEST(SessionDatabase, UsesTheShortestOfTheEdgesThatSpanTheSameTime) {
   }
 }
 
+// Sees `seen` before the gap between 2 and 3, and after it, and one landmark on either side more.
+SessionDatabase blind_between(double sigma_m, const std::vector<unsigned>& seen) {
+  SessionDatabase database({.window = kWindow, .loose_edge_m = 0.1});
+  const auto seen_and = [&seen](unsigned other) {
+    std::vector<unsigned> all = seen;
+    all.push_back(other);
+    return all;
+  };
+  Submap submap;
+  submap.keyframes = {keyframe(1, seen_and(100)),
+                      keyframe(2, {101}),
+                      keyframe(3, {102}),
+                      keyframe(4, seen_and(103))};
+  submap.edges = {edge(1, 2), edge(2, 3), edge(3, 4)};
+  for (auto& one : submap.edges) one.information *= 1e4;
+  submap.edges[1].information = Matrix6d::Identity() / (sigma_m * sigma_m);
+  database.add(submap);
+  return database;
+}
+
+TEST(SessionDatabase, BeginsTheWindowAnewAfterAnEdgeThatIsLoose) {
+  EXPECT_THAT(blind_between(0.11, {}).window(), ElementsAre(KeyframeId{3}, KeyframeId{4}));
+  EXPECT_EQ(blind_between(0.09, {}).window().size(), 4U);
+}
+
+TEST(SessionDatabase, LandmarksSeenOnBothSidesHoldTheWindowTogether) {
+  EXPECT_EQ(blind_between(0.11, {5, 6, 7}).window().size(), 4U);
+  EXPECT_EQ(blind_between(0.11, {5, 6}).window().size(), 2U);
+}
+
 // An edge over many keyframes that joins two pieces, though each of its ends has a shorter one.
 TEST(SessionDatabase, ALongEdgeBridgesAGapBetweenOthers) {
   SessionDatabase database({.window = 10});
