@@ -35,7 +35,7 @@ void HypothesisSupport::add(const LocalizationMeasurement& answer) {
 }
 
 bool HypothesisSupport::is_within_window(const LocalizationMeasurement& answer) const {
-  return oldest_stamp_ && answer.oldest_stamp <= *oldest_stamp_;
+  return oldest_stamp_ && reaches_back_to(*oldest_stamp_, answer);
 }
 
 AlignmentHypotheses::AlignmentHypotheses(const Config& config) : config_(config) {}

@@ -14,6 +14,11 @@ Matrix6d clone_covariance(const LocalizationNoise& noise) {
   return diagonal_covariance(noise.clone_rotation, noise.clone_translation);
 }
 
+bool reaches_back_to(Timestamp oldest, const LocalizationMeasurement& answer) {
+  constexpr std::chrono::milliseconds kToldIn{1};
+  return answer.oldest_stamp <= oldest + kToldIn;
+}
+
 LocalizationMeasurement measurement_from(const LocalizationResult& answer,
                                          const Pose& T_odom_body,
                                          const LocalizationNoise& noise) {

@@ -142,7 +142,7 @@ void MapAlignment::carry_error_to(const Eigen::Vector3d& p_map_body) {
 // the map hardly constrains and that turns as more is seen of it: its error becomes that uncertain,
 // and with it what T_map_odom has of it. Otherwise two such answers would cross at a point.
 void MapAlignment::widen_error(const LocalizationMeasurement& answer) {
-  const bool contains = answer.oldest_stamp <= error_oldest_stamp_;
+  const bool contains = reaches_back_to(error_oldest_stamp_, answer);
   if (!contains && metres_since_error_ > config_.same_view_m) return;
   const Matrix6d J = error_root_.ldlt().solve(answer.root_map);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(J * J.transpose());

