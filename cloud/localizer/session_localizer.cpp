@@ -169,15 +169,16 @@ bool SessionLocalizer::is_held(const Pose& T_map_odom) const {
 
 // As a new session there, of what has not had a place so far.
 void SessionLocalizer::start_at(const Pose& T_map_odom) {
-  const SubmapKeyframe& newest = database_.newest().item;
+  const KeyframeId newest = database_.newest().item.id;
+  const Pose T_odom_body = database_.newest().item.T_odom_body;
   const auto& sigma = config_.found_start;
-  const Matrix6d A = adjoint(newest.T_odom_body);
+  const Matrix6d A = adjoint(T_odom_body);
   const double sigma_m = sigma.sigma_cells * first_place_->cell_m();
   const Matrix6d covariance = diagonal_covariance(sigma.sigma_rad, sigma_m);
   begin_anew(MapOdomEstimate{.T_map_odom = T_map_odom,
                              .covariance = A * covariance * A.transpose(),
-                             .p_odom = newest.T_odom_body.p});
-  found_start_.begin(dead_reckoning_.travelled_m(newest.id), search_way_m_);
+                             .p_odom = T_odom_body.p});
+  found_start_.begin(dead_reckoning_.travelled_m(newest), search_way_m_);
 }
 
 std::vector<PlaceHypotheses::Place> SessionLocalizer::possible_places() const {
