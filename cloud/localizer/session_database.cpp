@@ -16,7 +16,7 @@ namespace {
 // Of a node of std::map beside its value.
 constexpr std::size_t kNodeOverhead = 48;
 
-constexpr std::ptrdiff_t kRigidLandmarks = 3;  // that determine a rigid motion
+constexpr std::size_t kRigidLandmarks = 3;  // that determine a rigid motion
 
 KeyframeId beyond(KeyframeId id, int count) {
   const std::uint64_t sum = static_cast<std::uint64_t>(id) + static_cast<std::uint64_t>(count);
@@ -40,12 +40,9 @@ std::uint32_t half_of(LandmarkId landmark, KeyframeId keyframe) {
 /// Keyframes that edges connect, as a forest of parents (Tarjan, 1975).
 class Components {
  public:
-  /// @return false if they were joined before
-  bool join(KeyframeId a, KeyframeId b) {
-    const KeyframeId root_a = root_of(a);
-    const KeyframeId root_b = root_of(b);
-    parents_[root_b] = root_a;
-    return root_a != root_b;
+  void join(KeyframeId a, KeyframeId b) {
+    const KeyframeId root = root_of(a);
+    parents_[root_of(b)] = root;
   }
   bool are_joined(KeyframeId a, KeyframeId b) { return root_of(a) == root_of(b); }
 
@@ -58,6 +55,15 @@ class Components {
 
   std::map<KeyframeId, KeyframeId> parents_;
 };
+
+// How many are in both; each is sorted, and may hold one several times.
+std::size_t common(std::vector<LandmarkId> a, std::vector<LandmarkId> b) {
+  std::vector<LandmarkId> both;
+  a.erase(std::ranges::unique(a).begin(), a.end());
+  b.erase(std::ranges::unique(b).begin(), b.end());
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both.size();
+}
 
 // Adds the poses of keyframes that edges connect with one that has a pose.
 void place_along(const std::vector<const VirtualEdge*>& edges, std::map<KeyframeId, Pose>& poses) {
@@ -85,6 +91,7 @@ SessionDatabase::Added SessionDatabase::add(const Submap& submap) {
   for (const VirtualEdge& edge : submap.edges) add_edge(edge, added);
   if (!submap.keyframes.empty()) add_estimates(submap);
   forget_behind_window();
+  join();
   return added;
 }
 
@@ -97,6 +104,7 @@ void SessionDatabase::forget_before(KeyframeId first) {
   horizon_ = first;
   keyframes_.erase(keyframes_.begin(), keyframes_.lower_bound(first));
   forget_unobserved();
+  join();
 }
 
 void SessionDatabase::add_keyframe(const SubmapKeyframe& item, Added& added) {
@@ -188,7 +196,15 @@ void SessionDatabase::forget_unobserved() {
   }
 }
 
-std::vector<const VirtualEdge*> SessionDatabase::spanning_edges() const {
+bool SessionDatabase::is_loose(const VirtualEdge& edge) const {
+  const Duration gap = keyframes_.at(edge.to).item.stamp - keyframes_.at(edge.from).item.stamp;
+  if (to_seconds(gap) <= config_.blind_s) return false;
+  const Matrix6d covariance = edge.information.inverse();
+  return !(max_sigma(covariance.bottomRightCorner<3, 3>()) <= config_.loose_edge_m);
+}
+
+// Loose edges last: what else holds together is on the same side of one.
+void SessionDatabase::join() {
   std::vector<const VirtualEdge*> edges;
   for (const auto& [key, edge] : edges_) {
     if (keyframes_.contains(edge.from) && keyframes_.contains(edge.to)) edges.push_back(&edge);
@@ -196,40 +212,44 @@ std::vector<const VirtualEdge*> SessionDatabase::spanning_edges() const {
   std::ranges::stable_sort(edges, {}, [](const VirtualEdge* edge) {
     return static_cast<std::uint32_t>(edge->to) - static_cast<std::uint32_t>(edge->from);
   });
+  const auto loose = std::ranges::stable_partition(
+      edges, [this](const VirtualEdge* edge) { return !is_loose(*edge); });
   Components components;
-  std::erase_if(edges,
-                [&](const VirtualEdge* edge) { return !components.join(edge->from, edge->to); });
+  const auto is_seen_from_both_sides = [&](const VirtualEdge& edge) {
+    std::vector<KeyframeId> before;
+    std::vector<KeyframeId> after;
+    for (const KeyframeId id : std::views::keys(keyframes_)) {
+      if (id <= edge.from || components.are_joined(id, edge.from)) before.push_back(id);
+      if (id >= edge.to || components.are_joined(id, edge.to)) after.push_back(id);
+    }
+    return common(seen_by(before), seen_by(after)) >= kRigidLandmarks;
+  };
+  spanning_.clear();
+  for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
+    const auto [from, to] = std::pair{(*edge)->from, (*edge)->to};
+    if (components.are_joined(from, to)) continue;
+    if (edge >= loose.begin() && !is_seen_from_both_sides(**edge)) continue;
+    components.join(from, to);
+    spanning_.push_back({to, from});
+  }
+}
+
+std::vector<const VirtualEdge*> SessionDatabase::spanning_edges() const {
+  std::vector<const VirtualEdge*> edges;
+  edges.reserve(spanning_.size());
+  for (const EdgeKey& key : spanning_) edges.push_back(&edges_.at(key));
   return edges;
 }
 
 std::vector<KeyframeId> SessionDatabase::window() const {
   Components components;
-  for (const VirtualEdge* edge : spanning_edges()) {
-    if (holds_together(*edge)) components.join(edge->from, edge->to);
-  }
+  for (const VirtualEdge* edge : spanning_edges()) components.join(edge->from, edge->to);
   const KeyframeId newest = keyframes_.rbegin()->first;
   std::vector<KeyframeId> window;
   for (const auto& [id, keyframe] : keyframes_) {
     if (components.are_joined(id, newest)) window.push_back(id);
   }
   return window;
-}
-
-bool SessionDatabase::holds_together(const VirtualEdge& edge) const {
-  const Matrix6d covariance = edge.information.inverse();
-  if (max_sigma(covariance.bottomRightCorner<3, 3>()) <= config_.loose_edge_m) return true;
-  std::vector<KeyframeId> before;
-  std::vector<KeyframeId> after;
-  for (const KeyframeId id : std::views::keys(keyframes_)) {
-    if (id <= edge.from) before.push_back(id);
-    if (id >= edge.to) after.push_back(id);
-  }
-  const std::vector<LandmarkId> seen_before = seen_by(before);
-  std::vector<LandmarkId> seen_after = seen_by(after);
-  seen_after.erase(std::ranges::unique(seen_after).begin(), seen_after.end());
-  return std::ranges::count_if(seen_after, [&seen_before](LandmarkId landmark) {
-           return std::ranges::binary_search(seen_before, landmark);
-         }) >= kRigidLandmarks;
 }
 
 std::vector<LandmarkId> SessionDatabase::seen_by(std::span<const KeyframeId> keyframes) const {
@@ -265,7 +285,7 @@ void SessionDatabase::store_solution(LandmarkId id, const Eigen::Vector3d& p_map
 }
 
 std::size_t SessionDatabase::memory_bytes() const {
-  std::size_t bytes = edges_.size() * (sizeof(EdgeKey) + sizeof(VirtualEdge) + kNodeOverhead) +
+  std::size_t bytes = edges_.size() * (2 * sizeof(EdgeKey) + sizeof(VirtualEdge) + kNodeOverhead) +
                       landmarks_.size() * (sizeof(Landmark) + kNodeOverhead);
   for (const auto& [id, keyframe] : keyframes_) {
     bytes += sizeof(Keyframe) + kNodeOverhead +

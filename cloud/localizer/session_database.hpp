@@ -26,7 +26,9 @@ class SessionDatabase {
  public:
   struct Config {
     int window;  ///< keyframes
-    /// Largest sigma of the position that an edge tells, by which alone it holds a window together.
+    /// Where the robot was blind for longer than this, the edge across, if it tells the position no
+    /// better than to this sigma, does not hold a window together.
+    double blind_s = std::numeric_limits<double>::infinity();
     double loose_edge_m = std::numeric_limits<double>::infinity();
   };
 
@@ -68,14 +70,16 @@ class SessionDatabase {
 
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
-  /// The keyframes that edges connect with the newest one, oldest first: edges that are not loose,
-  /// or with landmarks that are seen on both sides. Where the robot was blind, the window is not
-  /// rigid: what is before would keep its place in the map while what follows slips to another.
+  /// The keyframes that edges hold together with the newest one, oldest first.
   [[nodiscard]] std::vector<KeyframeId> window() const;
 
-  /// The edges that connect keyframes without loops, the shortest first (Kruskal, 1956): longer
-  /// ones only bridge the gaps between, since they span the same IMU samples and would count them
-  /// twice.
+  /// The edges that hold keyframes together, without loops, the shortest first (Kruskal, 1956):
+  /// longer ones only bridge the gaps between, since they span the same IMU samples and would count
+  /// them twice.
+  ///
+  /// A loose edge holds if landmarks are seen from both sides. What hangs on it alone would not be
+  /// rigid: the keyframes before it would keep their place in the map, and those behind it slip to
+  /// wherever chance matches them.
   [[nodiscard]] std::vector<const VirtualEdge*> spanning_edges() const;
 
   [[nodiscard]] const Keyframe& newest() const { return keyframes_.rbegin()->second; }
@@ -101,7 +105,8 @@ class SessionDatabase {
  private:
   using EdgeKey = std::pair<KeyframeId, KeyframeId>;  // to, from
 
-  [[nodiscard]] bool holds_together(const VirtualEdge& edge) const;
+  [[nodiscard]] bool is_loose(const VirtualEdge& edge) const;
+  void join();
   void add_keyframe(const SubmapKeyframe& item, Added& added);
   void add_edge(const VirtualEdge& edge, Added& added);
   void add_estimates(const Submap& submap);
@@ -111,6 +116,7 @@ class SessionDatabase {
   Config config_;
   std::map<KeyframeId, Keyframe> keyframes_;
   std::map<EdgeKey, VirtualEdge> edges_;
+  std::vector<EdgeKey> spanning_;
   std::map<LandmarkId, Landmark> landmarks_;  // of the observations of keyframes_
   KeyframeId horizon_{};                      // what is older has been removed
   bool unobserved_landmarks_ = false;         // there may be landmarks that no keyframe observes

@@ -17,6 +17,7 @@ SessionLocalizer::CovarianceInflation read_covariance_inflation(ConfigReader sec
 SessionLocalizer::Config read_session_localizer_config(ConfigReader section) {
   return {
       .database = {.window = section.integer("window", 2, 1000),
+                   .blind_s = section.positive("blind_s"),
                    .loose_edge_m = section.positive("loose_edge_m")},
       .registration = read_window_registration_config(section),
       .drift = read_drift_config(section.section("drift")),

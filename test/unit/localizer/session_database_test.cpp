@@ -151,9 +151,11 @@ TEST(SessionDatabase, UsesTheShortestOfTheEdgesThatSpanTheSameTime) {
   }
 }
 
-// Sees `seen` before the gap between 2 and 3, and after it, and one landmark on either side more.
-SessionDatabase blind_between(double sigma_m, const std::vector<unsigned>& seen) {
-  SessionDatabase database({.window = kWindow, .loose_edge_m = 0.1});
+// Sees `seen` before the gap between 2 and 3, and after it, and other landmarks everywhere.
+SessionDatabase blind_between(double sigma_m,
+                              const std::vector<unsigned>& seen,
+                              double gap_s = 2.0) {
+  SessionDatabase database({.window = kWindow, .blind_s = 1.0, .loose_edge_m = 0.1});
   const auto seen_and = [&seen](unsigned other) {
     std::vector<unsigned> all = seen;
     all.push_back(other);
@@ -164,6 +166,10 @@ SessionDatabase blind_between(double sigma_m, const std::vector<unsigned>& seen)
                       keyframe(2, {101}),
                       keyframe(3, {102}),
                       keyframe(4, seen_and(103))};
+  for (auto& one : submap.keyframes) {
+    const auto id = static_cast<double>(static_cast<std::uint32_t>(one.id));
+    one.stamp = Timestamp{from_seconds(0.5 * id + (id > 2.0 ? gap_s - 0.5 : 0.0))};
+  }
   submap.edges = {edge(1, 2), edge(2, 3), edge(3, 4)};
   for (auto& one : submap.edges) one.information *= 1e4;
   submap.edges[1].information = Matrix6d::Identity() / (sigma_m * sigma_m);
@@ -171,14 +177,43 @@ SessionDatabase blind_between(double sigma_m, const std::vector<unsigned>& seen)
   return database;
 }
 
-TEST(SessionDatabase, BeginsTheWindowAnewAfterAnEdgeThatIsLoose) {
-  EXPECT_THAT(blind_between(0.11, {}).window(), ElementsAre(KeyframeId{3}, KeyframeId{4}));
+TEST(SessionDatabase, BeginsTheWindowAnewWhereTheRobotWasBlind) {
+  SessionDatabase blind = blind_between(0.11, {});
+  EXPECT_THAT(blind.window(), ElementsAre(KeyframeId{3}, KeyframeId{4}));
   EXPECT_EQ(blind_between(0.09, {}).window().size(), 4U);
+  EXPECT_EQ(blind_between(0.11, {}, 0.9).window().size(), 4U);
+
+  // Solved once, it does not bring the others back.
+  blind.store_solution(KeyframeId{3}, at(50.0));
+  EXPECT_EQ(blind.placed(blind.window(), Pose{}).size(), 2U);
 }
 
 TEST(SessionDatabase, LandmarksSeenOnBothSidesHoldTheWindowTogether) {
   EXPECT_EQ(blind_between(0.11, {5, 6, 7}).window().size(), 4U);
   EXPECT_EQ(blind_between(0.11, {5, 6}).window().size(), 2U);
+}
+
+// The edge 2 to 7 is loose, since it spans much; what 3 and 5 see in common holds all together.
+TEST(SessionDatabase, KeyframesWithinTheSpanOfALooseEdgeHoldTheWindowTogetherAsWell) {
+  const auto pieces = [](const std::vector<unsigned>& seen_by_5) {
+    SessionDatabase database({.window = 10, .blind_s = 1.0, .loose_edge_m = 0.1});
+    Submap submap;
+    for (const unsigned id : {1U, 2U, 3U, 5U, 6U, 7U}) {
+      submap.keyframes.push_back(keyframe(id, {100 + id}));
+      submap.keyframes.back().stamp = Timestamp{from_seconds(id)};
+    }
+    submap.keyframes[2] = keyframe(3, {10, 11, 12});
+    submap.keyframes[2].stamp = Timestamp{from_seconds(3.0)};
+    submap.keyframes[3] = keyframe(5, seen_by_5);
+    submap.keyframes[3].stamp = Timestamp{from_seconds(5.0)};
+    submap.edges = {edge(1, 2), edge(2, 3), edge(5, 6), edge(6, 7)};
+    for (auto& one : submap.edges) one.information *= 1e4;
+    submap.edges.push_back(edge(2, 7, 5.0));
+    database.add(submap);
+    return database.window().size();
+  };
+  EXPECT_EQ(pieces({10, 11, 12}), 6U);
+  EXPECT_EQ(pieces({10, 11}), 3U);
 }
 
 // An edge over many keyframes that joins two pieces, though each of its ends has a shorter one.
