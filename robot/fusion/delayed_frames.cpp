@@ -14,7 +14,7 @@ namespace fleetloc {
 namespace {
 
 DelayedFrames::Rank rank_of(const LocalizationResult& answer) {
-  return {answer.revision, answer.incarnation, answer.localizer};
+  return {answer.revision, answer.incarnation, answer.localizer, answer.number};
 }
 
 bool is_finite(const Pose& pose) {

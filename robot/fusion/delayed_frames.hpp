@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -23,7 +24,7 @@ class DelayedFrames {
  public:
   /// Of an answer. A total order: which one of several to a frame counts does not depend on their
   /// arrival.
-  using Rank = std::tuple<Revision, Incarnation, std::string>;
+  using Rank = std::tuple<Revision, Incarnation, std::string, std::uint32_t>;
   struct StoredMeasurement {
     LocalizationMeasurement measurement;
     std::optional<AnswerOutcome> outcome;  ///< none before the first replay

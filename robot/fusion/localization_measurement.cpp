@@ -15,8 +15,8 @@ Matrix6d clone_covariance(const LocalizationNoise& noise) {
 }
 
 bool reaches_back_to(Timestamp oldest, const LocalizationMeasurement& answer) {
-  constexpr std::chrono::milliseconds kToldIn{1};
-  return answer.oldest_stamp <= oldest + kToldIn;
+  constexpr std::chrono::milliseconds kRounded{50};  // keyframes are further apart
+  return answer.oldest_stamp <= oldest + kRounded;
 }
 
 LocalizationMeasurement measurement_from(const LocalizationResult& answer,

@@ -39,8 +39,8 @@ struct LocalizationMeasurement {
   Matrix6d root_map;  ///< symmetric root of the answer's covariance, in map axes
 };
 
-/// Whether the answer's window begins no later than this one. Where windows begin is told in whole
-/// milliseconds before the answer's stamp, so the same beginning differs a little.
+/// Whether the answer's window begins no later than this one. Stamps of older keyframes and windows
+/// are rounded to milliseconds on their way, so the same beginning differs a little.
 bool reaches_back_to(Timestamp oldest, const LocalizationMeasurement& answer);
 
 /// Covariance (right perturbation) of one frame's T_odom_body.

@@ -1,10 +1,12 @@
 #include "shared/compact/answer_sample.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <idl/localization.h>
 
@@ -69,6 +71,20 @@ std::uint32_t milliseconds(Duration duration) {
   return static_cast<std::uint32_t>(ms);
 }
 
+// The compact root has entries of 1/127: what is tight beside a direction that is this many times
+// looser is told as less tight, or else the loose one would get lost.
+Matrix6d tellable(Matrix6d covariance) {
+  constexpr double kLargestRatio = 24.0;
+  for (const int group : {0, 3}) {
+    auto block = covariance.block<3, 3>(group, group);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(block);
+    const double least = eigen.eigenvalues()[2] / (kLargestRatio * kLargestRatio);
+    const Eigen::Vector3d added = (least - eigen.eigenvalues().array()).max(0.0);
+    block += eigen.eigenvectors() * added.asDiagonal() * eigen.eigenvectors().transpose();
+  }
+  return covariance;
+}
+
 void set_pose(const LocalizationResult& result, wire::LocalizationResult& sample) {
   const Eigen::Quaterniond q = result.T_map_body.R.normalized();
   const Eigen::Vector3d& p = result.T_map_body.p;
@@ -77,7 +93,7 @@ void set_pose(const LocalizationResult& result, wire::LocalizationResult& sample
     return static_cast<std::int32_t>(std::lround(value * (kUnitsPerQuaternion - 1.0)));
   };
   sample.rotation({units(q.w()), units(q.x()), units(q.y()), units(q.z())});
-  const auto root = CompactRoot<6>::of(result.covariance.inverse());
+  const auto root = CompactRoot<6>::of(tellable(result.covariance).inverse());
   sample.information_scale(root.scales);
   sample.information_root(root.entries);
 }
@@ -103,7 +119,9 @@ wire::LocalizationResult sample_of(const LocalizationResult& result) {
     sample.places(static_cast<std::uint8_t>(std::clamp(result.places, 0, 255)));
     return sample;
   }
-  sample.window_ms(milliseconds(result.stamp - result.oldest_stamp));
+  const Duration window = result.stamp - result.oldest_stamp;
+  sample.window_ms(
+      milliseconds(std::min<Duration>(window, std::chrono::milliseconds(kLongest_ms))));
   set_pose(result, sample);
   return sample;
 }

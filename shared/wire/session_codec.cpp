@@ -8,6 +8,13 @@
 namespace fleetloc {
 namespace {
 
+// Predictions of the compact encoding start from this pose: both ends need the same bits, so it is
+// not normalized anew.
+Pose same_bits(const wire::Pose& T) {
+  const wire::Quaternion& q = T.rotation();
+  return {Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()), from_wire(T.translation())};
+}
+
 constexpr double kMinFocal_px = 1.0;
 constexpr double kMaxFocal_px = 1e5;
 constexpr double kMaxBaseline_m = 100.0;
@@ -94,7 +101,7 @@ Decoded<RobotSession> decode_robot_session(std::span<const std::uint8_t> bytes) 
                        .stereo = {.focal_px = sample.focal_px(),
                                   .center_px = {sample.center_px()[0], sample.center_px()[1]},
                                   .baseline_m = sample.baseline_m(),
-                                  .T_body_cam0 = from_wire(sample.T_body_cam0())},
+                                  .T_body_cam0 = same_bits(sample.T_body_cam0())},
                        .start = std::nullopt,
                        .region = std::nullopt};
   if (sample.has_start()) {

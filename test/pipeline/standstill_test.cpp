@@ -88,6 +88,15 @@ class Parked {
           return frame.pose.quality != Quality::kLocalized;
         });
   }
+  /// How long it has driven on when an answer of the drive counts [s].
+  [[nodiscard]] double answered_after_s() const {
+    const auto answered = std::find_if(
+        frames().begin() + static_cast<long>(end_), frames().end(), [](const FrameOutput& frame) {
+          return frame.pose.since_last_answer < std::chrono::seconds(1);
+        });
+    return to_seconds((answered == frames().end() ? frames().back() : *answered).stamp -
+                      frames()[end_].stamp);
+  }
   [[nodiscard]] std::uint64_t resets() const {
     return system_.robot().pipeline().odometry().statistics().resets;
   }
@@ -127,10 +136,12 @@ void expect_at_rest(const Parked& parked) {
   EXPECT_EQ(parked.not_localized(), 0);
   EXPECT_EQ(parked.resets(), 0U);
   EXPECT_LT(parked.worst_error_m(), 0.1) << "also once it drives on";
+  EXPECT_LT(parked.answered_after_s(), 5.0);
   std::cout << "held for " << parked.held_s() << " s, drift " << 1e3 * parked.worst_drift_m()
             << " mm, " << parked.worst_drift_rad() * 180.0 / M_PI << " degrees, sigma x "
             << parked.worst_growth() << ", " << parked.up_bytes_per_s << " B/s up, "
-            << parked.down_bytes_per_s << " down, worst error " << parked.worst_error_m() << " m\n";
+            << parked.down_bytes_per_s << " down, worst error " << parked.worst_error_m()
+            << " m, answered " << parked.answered_after_s() << " s after it drives on\n";
 }
 
 TEST(ParkedRobot, HoldsItsPoseForAnHourAndDrivesOn) {

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 #include <idl/localizationPubSubTypes.h>
 
@@ -123,6 +124,34 @@ TEST(AnswerSample, RefusesWithAReason) {
   expect_answer_refused(kNotARotation, [](auto& sample) { sample.rotation({1, 2, 3, 4}); });
   expect_answer_refused(kOutOfRange, [](auto& sample) { sample.information_root()[3] = 0; });
   expect_answer_refused(kUndecodable, [](auto& sample) { sample.corrections({1, 2, 3}); });
+}
+
+// As of a robot that was parked meanwhile.
+TEST(AnswerSample, AWindowOfHoursIsToldAsAnHour) {
+  Answer sent{some_answer(), {}};
+  sent.result.oldest_stamp = sent.result.stamp - std::chrono::hours(30);
+  const LocalizationResult received = answer_round_trip(sent).result;
+  EXPECT_EQ(received.stamp - received.oldest_stamp, std::chrono::hours(1));
+}
+
+// Loose along one direction, as along a corridor: told with an error of a fraction, and never as
+// more certain than it is.
+TEST(AnswerSample, ACovarianceThatIsLooseAlongOneDirectionIsTold) {
+  for (const double loose_m : {0.1, 0.35, 0.65, 1.0, 2.0, 10.0}) {
+    for (int i = 0; i < 50; ++i) {
+      const Pose T = some_pose(0.37 * i);
+      const Matrix6d A = adjoint({T.R, 0.1 * T.p});
+      Vector6d sigmas;
+      sigmas << 0.0012, 0.0012, 0.0012, 0.0105, 0.0105, loose_m;
+      Answer sent{some_answer(), {}};
+      sent.result.covariance = A * sigmas.cwiseAbs2().asDiagonal() * A.transpose();
+      const Matrix6d received = answer_round_trip(sent).result.covariance;
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(received,
+                                                                     sent.result.covariance);
+      EXPECT_GE(ratio.eigenvalues().minCoeff(), 0.8) << loose_m;
+      EXPECT_LE(std::sqrt(received.bottomRightCorner<3, 3>().trace()), 1.3 * loose_m) << loose_m;
+    }
+  }
 }
 
 TEST(AnswerSample, RefusesToEncodeAnImpossibleOne) {

@@ -88,13 +88,13 @@ TEST_P(LockOut, AWrongFirstAnswerIsReplacedSoonerIfWindowsAreShorter) {
   EXPECT_DOUBLE_EQ(t, kFirst + 5.5);
 }
 
-// As the window of a session grows, the localizer sees more than at first. Where it begins is told in
-// whole milliseconds before the answer's stamp.
+// As the window of a session grows, the localizer sees more than at first. Where it begins is
+// rounded twice on its way, to milliseconds.
 TEST_P(LockOut, AWrongFirstAnswerYieldsToThreeThatSawAllThatItSaw) {
   const auto truth_of_growing_window = [this](double t) {
     fed_.drive_to(t + 1.0);
     LocalizationResult said = answer(t, true_T_map_odom() * fed_.drive.pose(t));
-    said.oldest_stamp = answer(1.0, Pose{}).oldest_stamp + std::chrono::microseconds(900);
+    said.oldest_stamp = answer(1.0, Pose{}).oldest_stamp + std::chrono::microseconds(1900);
     return name(fed_.fusion.add_answer(said));
   };
   EXPECT_EQ(truth_of_growing_window(2.0), "gated");
@@ -250,6 +250,22 @@ TEST_P(LockOut, APlaceThatIsTakenBackIsNotGivenAgainByAnOlderAnswerToTheSameFram
   older.revision = Revision{static_cast<std::uint32_t>(older.revision) + 2};
   EXPECT_TRUE(fed_.fusion.add_answer(older));
   EXPECT_EQ(name(fed_.fusion.add_answer(newer)), "not_localized");
+  EXPECT_EQ(quality(), Quality::kLocalized);
+}
+
+// The search for a robot that is lost ends between its keyframes, or while it stands: the newest
+// one is answered again as it is.
+TEST_P(LockOut, APlaceThatIsFoundForTheFrameOfTheLossCounts) {
+  fed_.drive_to(66.0);
+  LocalizationResult found = answer(65.0, true_T_map_odom() * fed_.drive.pose(65.0));
+  found.number = 7;
+  LocalizationResult before = lost(found);
+  before.number = 6;
+  EXPECT_EQ(name(fed_.fusion.add_answer(before)), "not_localized");
+  EXPECT_EQ(quality(), Quality::kLost);
+  EXPECT_TRUE(fed_.fusion.add_answer(found));
+  EXPECT_EQ(quality(), Quality::kLocalized);
+  EXPECT_EQ(name(fed_.fusion.add_answer(before)), "not_localized");
   EXPECT_EQ(quality(), Quality::kLocalized);
 }
 

@@ -34,6 +34,16 @@ TEST(SessionCodec, RoundTripPreservesEveryField) {
   expect_near(received.start->covariance, sent.start->covariance, 1e-6);
 }
 
+// The compact encoding predicts from it, at both ends alike.
+TEST(SessionCodec, RoundTripPreservesTheBitsOfTheCalibration) {
+  for (int i = 0; i < 1000; ++i) {
+    RobotSession sent = some_session();
+    sent.stereo.T_body_cam0 = some_pose(0.01 * i);
+    const auto received = decode_robot_session(encode(sent)).value();
+    EXPECT_EQ(received.stereo.T_body_cam0.R.coeffs(), sent.stereo.T_body_cam0.R.coeffs()) << i;
+  }
+}
+
 TEST(SessionCodec, RoundTripPreservesTheLackOfAStart) {
   RobotSession sent = some_session();
   sent.start.reset();
