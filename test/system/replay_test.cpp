@@ -26,6 +26,7 @@ struct FlightCase {
   double worst_m = 0.0;         ///< while it is localized
   double nees = 2.0;            ///< in the map, per degree of freedom
   double share_in_map = 0.9;    ///< of the frames with a pose in it
+  bool drifts = true;           ///< the odometry, by more than the first pose in the map is off
 };
 void PrintTo(const FlightCase& one, std::ostream* stream) {
   *stream << one.name;
@@ -131,7 +132,9 @@ TEST_P(ReplayInAMap, IsLocalized) {
   const auto control = replay("align_once", flight_.folder, once);
   const auto errors_once = run_errors(control, flight_);
   std::cout << "align once  " << errors_once.dump() << '\n';
-  EXPECT_GT(errors_once.at("ate").at("median"), errors.at("ate").at("median"));
+  if (GetParam().drifts) {
+    EXPECT_GT(errors_once.at("ate").at("median"), errors.at("ate").at("median"));
+  }
   EXPECT_EQ(parsed_json(control / "summary.json").at("answers_applied"), 1);
 }
 
@@ -146,7 +149,8 @@ INSTANTIATE_TEST_SUITE_P(Simulated,
                                                     .median_m = 0.15,
                                                     .worst_m = 0.25,
                                                     .nees = 3.0,  // 2 is wanted
-                                                    .share_in_map = 0.5}),
+                                                    .share_in_map = 0.5,
+                                                    .drifts = false}),
                          [](const auto& one) { return std::string(one.param.name); });
 INSTANTIATE_TEST_SUITE_P(
     Recorded,
