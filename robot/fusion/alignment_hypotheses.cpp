@@ -16,6 +16,15 @@ constexpr std::size_t kMaxHypotheses = 4;
 constexpr double kAnywhere_m = 1000.0;
 constexpr double kAnywhere_rad = 3.0;
 
+// Three times as uncertain, a ninth of what becomes known was known before.
+bool is_decided_by(const LocalizationMeasurement& answer, const Matrix6d& before) {
+  constexpr double kUncertain_m = 0.1;
+  constexpr double kTimes = 3.0;
+  const double sigma_m = max_sigma(before.bottomRightCorner<3, 3>());
+  return sigma_m > kUncertain_m &&
+         sigma_m > kTimes * max_sigma(answer.covariance.bottomRightCorner<3, 3>());
+}
+
 }  // namespace
 
 void HypothesisSupport::add(const LocalizationMeasurement& answer) {
@@ -72,7 +81,8 @@ void AlignmentHypotheses::lose() {
   is_lost_ = true;
 }
 
-void AlignmentHypotheses::support(const LocalizationMeasurement& applied) {
+void AlignmentHypotheses::support(const LocalizationMeasurement& applied, const Matrix6d& before) {
+  if (is_decided_by(applied, before)) current_support_ = HypothesisSupport();
   current_support_.add(applied);
   is_lost_ = false;
   for (Hypothesis& hypothesis : hypotheses_) {

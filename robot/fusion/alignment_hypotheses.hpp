@@ -57,8 +57,12 @@ class AlignmentHypotheses {
   /// the next answer decides.
   void lose();
 
-  /// An applied answer supports the current estimate and counts against the hypotheses.
-  void support(const LocalizationMeasurement& applied);
+  /// An applied answer supports the current estimate and counts against the hypotheses. Where the
+  /// estimate was so uncertain that the answer alone tells where it is, as after seconds without
+  /// vision, nothing else supports it any more.
+  ///
+  /// @param before  covariance of T_map_body at the answer before it was applied
+  void support(const LocalizationMeasurement& applied, const Matrix6d& before);
 
   /// Adds a rejected answer. True if its hypothesis is to replace the current estimate.
   bool add(const LocalizationMeasurement& rejected);

@@ -221,10 +221,12 @@ AnswerOutcome MapAlignment::apply(const LocalizationMeasurement& answer) {
     if (!hypotheses_.add(answer)) return unexpected(FusionRejection::kGated);
     return initialize(answer, AnswerEffect::kRestarted);
   }
+  const Matrix6d place_before =
+      answer.J_alignment * P_.topLeftCorner<6, 6>() * answer.J_alignment.transpose();
   update<6>(residual, H, answer.white);
   last_applied_ = answer.stamp;
   standstill_ = {};
-  hypotheses_.support(answer);
+  hypotheses_.support(answer, place_before);
   return AnswerEffect::kApplied;
 }
 

@@ -86,7 +86,8 @@ AnswerOutcome MapBodyFilter::apply(const LocalizationMeasurement& answer,
   if (answer.map_hash != map_hash_) return unexpected(FusionRejection::kWrongMap);
   const Vector6d residual = local_coordinates(state_.T_odom_body, answer.T_map_body);
   const Matrix6d R = answer.covariance - clone_covariance(config_.noise);
-  if (chi_square(residual, P_.topLeftCorner<6, 6>() + R) > config_.gate_chi_square) {
+  const Matrix6d before = P_.topLeftCorner<6, 6>();
+  if (chi_square(residual, before + R) > config_.gate_chi_square) {
     if (!hypotheses_.add(answer)) return unexpected(FusionRejection::kGated);
     return initialize(answer, odometry, AnswerEffect::kRestarted);
   }
@@ -94,7 +95,7 @@ AnswerOutcome MapBodyFilter::apply(const LocalizationMeasurement& answer,
   H.leftCols<6>().setIdentity();
   update(residual, H, R);
   last_applied_ = answer.stamp;
-  hypotheses_.support(answer);
+  hypotheses_.support(answer, before);
   return AnswerEffect::kApplied;
 }
 

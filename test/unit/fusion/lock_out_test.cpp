@@ -333,6 +333,29 @@ constexpr auto kFormulation = [](const auto& info) {
 };
 const auto kBoth =
     testing::Values(PoseFusion::Formulation::kDecoupled, PoseFusion::Formulation::kCoupled);
+// Whatever had confirmed the place before the robot was blind. (In the coupled filter the IMU
+// bridges the stretch.)
+TEST(LockOutAfterABlindStretch, AWrongAnswerYieldsToThreeThatSawAllThatItSaw) {
+  FedFusion fed;
+  const auto said = [&fed](double t, double oldest, double off_m) {
+    fed.drive_to(t + 1.0);
+    Pose T_map_odom = true_T_map_odom();
+    T_map_odom.p.x() += off_m;
+    LocalizationResult result = answer(t, T_map_odom * fed.drive.pose(t));
+    result.oldest_stamp = at(oldest);
+    return name(fed.fusion.add_answer(result));
+  };
+  for (const double t : {21.0, 42.0, 63.0, 84.0}) EXPECT_EQ(said(t, t - kWindow, 0.0), "applied");
+  fed.drive_to(86.0);
+  OdometryEstimate uncertain = odometry(85.97, fed.drive.state(85.97));
+  uncertain.covariance.diagonal().segment<3>(3).setConstant(0.09);
+  EXPECT_TRUE(fed.fusion.add_odometry(uncertain));
+  EXPECT_EQ(said(87.0, 86.0, 0.4), "applied");
+  EXPECT_EQ(said(87.5, 86.0, 0.0), "gated");
+  EXPECT_EQ(said(88.0, 86.0, 0.0), "gated");
+  EXPECT_EQ(said(88.5, 86.0, 0.0), "restarted");
+}
+
 INSTANTIATE_TEST_SUITE_P(Fusion, LockOut, kBoth, kFormulation);
 INSTANTIATE_TEST_SUITE_P(Fusion, SoonLost, kBoth, kFormulation);
 
