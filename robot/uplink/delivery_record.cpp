@@ -3,12 +3,29 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <iterator>
+#include <vector>
 
 namespace fleetloc {
 namespace {
 
 constexpr std::size_t kMaxSamples = 1024;        // older ones are not waited for
 constexpr double kValueOfProvisionalEdge = 0.7;  // of what a final one is worth to the cloud
+
+std::vector<LandmarkId> landmarks_of(const SubmapKeyframe& keyframe) {
+  std::vector<LandmarkId> landmarks;
+  landmarks.reserve(keyframe.observations.size());
+  for (const StereoObservation& one : keyframe.observations) landmarks.push_back(one.landmark);
+  return landmarks;
+}
+
+// Of all that are in one of them: what was rejected since is to be taken back as well.
+double common_share(const std::vector<LandmarkId>& sent, const std::vector<LandmarkId>& wanted) {
+  std::vector<LandmarkId> common;
+  std::ranges::set_intersection(sent, wanted, std::back_inserter(common));
+  const std::size_t all = sent.size() + wanted.size() - common.size();
+  return all == 0 ? 1.0 : static_cast<double>(common.size()) / static_cast<double>(all);
+}
 
 }  // namespace
 
@@ -22,7 +39,7 @@ void DeliveryRecord::sent(SampleNumber number, const Submap& submap, Observation
   if (samples_.size() > kMaxSamples) samples_.erase(samples_.begin());
   for (const SubmapKeyframe& keyframe : submap.keyframes) {
     if (keyframe.is_reference) continue;
-    keyframes_[keyframe.id].push_back({n, keyframe.observations.size(), subset});
+    keyframes_[keyframe.id].push_back({n, landmarks_of(keyframe), subset});
   }
   for (const VirtualEdge& edge : submap.edges) {
     edges_[{edge.to, edge.from}].push_back({n, edge.is_final});
@@ -55,11 +72,10 @@ double DeliveryRecord::arrival_probability(std::uint32_t number, double loss) co
 double DeliveryRecord::missing(const SubmapKeyframe& keyframe, double loss) const {
   const auto sendings = keyframes_.find(keyframe.id);
   if (sendings == keyframes_.end()) return 1.0;
-  const auto wanted = static_cast<double>(std::max<std::size_t>(keyframe.observations.size(), 1));
+  const std::vector<LandmarkId> wanted = landmarks_of(keyframe);
   std::array<double, 2> missing{1.0, 1.0};  // of either half of the landmarks
   for (const Sending& one : sendings->second) {
-    const auto observations = static_cast<double>(one.observations);
-    const double share = std::min(observations, wanted) / std::max(observations, wanted);
+    const double share = common_share(one.landmarks, wanted);
     for (std::uint32_t half = 0; half < 2; ++half) {
       if (half % one.subset.stride != one.subset.offset) continue;
       missing[half] *= 1.0 - share * arrival_probability(one.number, loss);

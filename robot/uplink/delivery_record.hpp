@@ -33,7 +33,7 @@ class DeliveryRecord {
   enum class Fate { kUnknown, kArrived, kLost };
   struct Sending {
     std::uint32_t number = 0;
-    std::size_t observations = 0;  // of all landmarks
+    std::vector<LandmarkId> landmarks;  // observed, sorted
     ObservationSubset subset;
   };
   struct EdgeSending {

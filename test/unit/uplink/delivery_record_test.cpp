@@ -56,6 +56,22 @@ TEST_F(DeliveryRecordTest, AnOldAcknowledgementTellsNothingOfLaterSamples) {
   EXPECT_DOUBLE_EQ(missing(), 0.5);
 }
 
+// The odometry rejects some, and others take their place.
+TEST_F(DeliveryRecordTest, ObservationsThatWereExchangedAreMissing) {
+  send(1);
+  acknowledge(1, 1);
+  std::vector<StereoObservation>& now = drive_.keyframes[0].observations;
+  ASSERT_GE(now.size(), 10U);
+  const std::uint32_t last = static_cast<std::uint32_t>(now.back().landmark);
+  const std::size_t exchanged = now.size() / 5;
+  now.erase(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(exchanged));
+  for (std::uint32_t i = 1; i <= exchanged; ++i) {
+    now.push_back(now.back());
+    now.back().landmark = LandmarkId{last + i};
+  }
+  EXPECT_NEAR(missing(), 1.0 / 3.0, 0.02);  // of all that are in one of them
+}
+
 TEST_F(DeliveryRecordTest, HalfOfTheObservationsIsHalfOfAKeyframe) {
   send(1, {.stride = 2, .offset = 0});
   acknowledge(1, 1);
