@@ -43,13 +43,14 @@ KnownLocalizers::KnownLocalizers(std::string_view robot, const Config& config)
     : robot_(robot), config_(config) {}
 
 expected<void, StatusRefusal> KnownLocalizers::update(const LocalizerStatus& status,
-                                                      std::string_view kept,
+                                                      Names kept,
                                                       Timestamp now) {
   const auto known = known_.find(status.localizer);
   if (known == known_.end()) {
     if (known_.size() >= kMaxLocalizers) {
       known_.erase(std::ranges::min_element(known_, {}, [&](const auto& item) {
-        return item.first == kept ? Timestamp::max() : item.second.heard;
+        const bool is_kept = std::ranges::find(kept, item.first) != kept.end();
+        return is_kept ? Timestamp::max() : item.second.heard;
       }));
     }
     known_[status.localizer] = {.status = status, .heard = now, .older_heard = {}};

@@ -57,10 +57,8 @@ class KnownLocalizers {
 
   KnownLocalizers(std::string_view robot, const Config& config);
 
-  /// @param kept  is not forgotten, however many others there are
-  expected<void, StatusRefusal> update(const LocalizerStatus& status,
-                                       std::string_view kept,
-                                       Timestamp now);
+  /// @param kept  are not forgotten, however many others there are
+  expected<void, StatusRefusal> update(const LocalizerStatus& status, Names kept, Timestamp now);
 
   /// Expects that there was a status.
   [[nodiscard]] const Localizer& at(const std::string& name) const { return known_.at(name); }

@@ -65,7 +65,8 @@ class LocalizerSelector {
   LocalizerSelector(std::string_view robot, const Config& config);
 
   expected<void, StatusRefusal> update(const LocalizerStatus& status, Timestamp now) {
-    return known_.update(status, name_, now);
+    const std::string_view next = successor_ ? std::string_view(successor_->name) : "";
+    return known_.update(status, {name_, next}, now);
   }
 
   /// A submap was sent to the chosen localizer: an answer is expected.

@@ -51,6 +51,25 @@ TEST_F(LocalizerSelectorTest, LeavesADrainingLocalizerOnceAnotherOneAnswers) {
   EXPECT_EQ(changes_, (std::vector{Change::kChosen, Change::kSuccessor, Change::kChosen}));
 }
 
+// More names than are remembered, as of a flood: those that the robot uses are not forgotten.
+TEST_F(LocalizerSelectorTest, MovesToASuccessorWhileHundredsOfOthersSpeak) {
+  localizers_["a"] = {};
+  play(5.0);
+  localizers_["a"].draining = true;
+  localizers_["b"] = {.answers = false};
+  play(5.5);
+  ASSERT_TRUE(selector_.successor().has_value());
+  for (int i = 0; i < 600; ++i) {
+    const LocalizerStatus other{.localizer = "x" + std::to_string(i),
+                                .incarnation = Incarnation{1}};
+    EXPECT_TRUE(selector_.update(other, at(5.6)));
+  }
+  selector_.decide(at(5.6), {});
+  localizers_["b"].answers = true;
+  play(8.0);
+  EXPECT_EQ(selector_.name(), "b");
+}
+
 TEST_F(LocalizerSelectorTest, StaysWithALocalizerThatWasOnlySilentForAWhile) {
   localizers_["a"] = {};
   play(5.0);

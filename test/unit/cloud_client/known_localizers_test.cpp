@@ -24,7 +24,7 @@ constexpr KnownLocalizers::Config kConfig{
 /// The one that a robot chooses; empty: none.
 std::string chosen(const std::string& robot, const std::vector<LocalizerStatus>& statuses) {
   KnownLocalizers known(robot, kConfig);
-  for (const LocalizerStatus& one : statuses) EXPECT_TRUE(known.update(one, "", at(0.0)));
+  for (const LocalizerStatus& one : statuses) EXPECT_TRUE(known.update(one, {}, at(0.0)));
   const auto* best = known.best({}, at(0.0));
   return best == nullptr ? "" : best->status.localizer;
 }
@@ -58,15 +58,15 @@ TEST(KnownLocalizers, AreNotChosenWhileTheyDrainOrAreFull) {
 
 TEST(KnownLocalizers, AreAvoidedForEverLongerAfterEachTimeout) {
   KnownLocalizers known("robot", kConfig);
-  EXPECT_TRUE(known.update(status("a", 0), "", at(0.0)));
+  EXPECT_TRUE(known.update(status("a", 0), {}, at(0.0)));
   const auto avoided_s = [&](double from_s) {
-    EXPECT_TRUE(known.update(status("a", 0), "", at(from_s)));
+    EXPECT_TRUE(known.update(status("a", 0), {}, at(from_s)));
     known.exclude("a", at(from_s));
     EXPECT_NE(known.best({}, at(from_s), KnownLocalizers::Range::kExcluded), nullptr)
         << "if there is no other";
     double s = from_s;
     while (known.best({}, at(s)) == nullptr) {
-      EXPECT_TRUE(known.update(status("a", 0), "", at(s)));
+      EXPECT_TRUE(known.update(status("a", 0), {}, at(s)));
       s += 1.0;
     }
     return s - from_s;
@@ -79,13 +79,14 @@ TEST(KnownLocalizers, AreAvoidedForEverLongerAfterEachTimeout) {
   EXPECT_EQ(avoided_s(400.0), 10.0);
 }
 
-TEST(KnownLocalizers, AreForgottenInTheOrderOfTheirSilenceButForTheOneInUse) {
+TEST(KnownLocalizers, AreForgottenInTheOrderOfTheirSilenceButForThoseInUse) {
   KnownLocalizers known("robot", kConfig);
   for (int i = 0; i < 300; ++i) {
-    EXPECT_TRUE(known.update(status("l" + std::to_string(i), 0), "l0", at(0.01 * i)));
+    EXPECT_TRUE(known.update(status("l" + std::to_string(i), 0), {"l0", "l1"}, at(0.01 * i)));
   }
   EXPECT_EQ(known.standbys(1000, "", at(3.0)).size(), 256);
   EXPECT_EQ(known.at("l0").status.localizer, "l0");
+  EXPECT_EQ(known.at("l1").status.localizer, "l1");
 }
 
 }  // namespace

@@ -136,16 +136,16 @@ TEST_F(SessionStreamsTest, UseNoNumberOfADroppedSuccessorAgain) {
     if (tenths <= 50 && tenths % 10 == 0) {
       streams_.add(submap_of(static_cast<std::uint32_t>(tenths / 10)));
     }
-    if (!streams_.send_submaps(both_at(s)).to_successor) continue;
+    if (!streams_.send_submaps(both_at(s)).to_current) continue;
     LocalizationResult acknowledging;
     acknowledging.session = SessionNumber{1};
-    acknowledging.localizer = "b";
+    acknowledging.localizer = "a";
     acknowledging.incarnation = Incarnation{1};
-    acknowledging.acknowledgements = {.base = SampleNumber{sent_to("b") - 1}, .bitmap = 1};
+    acknowledging.acknowledgements = {.base = SampleNumber{sent_to("a") - 1}, .bitmap = 1};
     streams_.answered(acknowledging, both_at(s).now);
   }
   const std::uint32_t used = sent_to("b");
-  ASSERT_GT(used, sent_to("a")) << "whose link has not been measured";
+  ASSERT_GT(used, sent_to("a")) << "which has acknowledged all";
   streams_.drop_successor(both_at(20).clock);
   streams_.begin_successor("b", Incarnation{1}, both_at(21));
   EXPECT_GE(sent_to("b"), used);
